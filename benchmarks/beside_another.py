@@ -65,7 +65,7 @@ def timed(call: Callable[[], Any]) -> list[float]:
 
 def calls(family: str) -> Iterator[tuple[str, Callable[[], Any]]]:
     """Yield the problems of a family by name, as calls that solve them."""
-    data, problem = importlib.import_module("benchmarks.data"), _octmip("problem").Problem
+    data, problem = importlib.import_module("benchmarks.data"), _octmip("question.problem").Problem
     solve = partial(_octmip("solver").solve, method="exact")
     search, two_feature = _octmip("methods.search").local_search, _octmip("methods.two_feature")
     if family == "exact_uav":
@@ -87,7 +87,7 @@ def calls(family: str) -> Iterator[tuple[str, Callable[[], Any]]]:
     elif family == "regression_speed":
         losses = {
             name: loss() if isinstance(loss, type) else loss
-            for name, loss in _octmip("losses").NUMBER_LOSSES.items()
+            for name, loss in _octmip("question.losses").NUMBER_LOSSES.items()
             if name in ("squared", "absolute")
         }
         for target, depth, loss in (

@@ -1,7 +1,5 @@
 """Shared by the fuzzers of proof logs: ways to corrupt the lines of a log or the data."""
 
-import dataclasses
-
 import numpy as np
 
 from octmip.trees.question.losses import ClassCosts
@@ -76,22 +74,23 @@ def raise_bound(rng: np.random.Generator, lines: list[str]) -> None:
 
 def changed_data(rng: np.random.Generator, problem: Problem) -> Problem:
     """Return the problem with one feature value (or its being there), target or weight changed."""
-    features, targets, weights = problem.features.copy(), problem.targets.copy(), problem.weights.copy()
-    row = int(rng.integers(problem.n_samples))
+    samples = problem.samples
+    features, targets, weights = samples.features.copy(), samples.targets.copy(), samples.weights.copy()
+    row = int(rng.integers(problem.samples.n_samples))
     name = str(rng.choice(["features", "targets", "weights"]))
     if name == "features":
-        can_lack = problem.split == "axis" and isinstance(problem.loss, ClassCosts)
+        can_lack = problem.shape.split == "axis" and isinstance(problem.loss, ClassCosts)
         is_lost = can_lack and rng.random() < 0.3
-        features[row, int(rng.integers(problem.n_features))] = np.nan if is_lost else rng.normal()
+        features[row, int(rng.integers(problem.samples.n_features))] = np.nan if is_lost else rng.normal()
     elif name == "weights":
         weights[row] += 1.0
     elif isinstance(problem.loss, ClassCosts):
-        codes = problem.codes.copy()
-        codes[row] = (codes[row] + 1) % problem.n_classes
-        targets = np.array(problem.class_names)[codes] if len(set(codes.tolist())) > 1 else targets
+        codes = problem.samples.codes.copy()
+        codes[row] = (codes[row] + 1) % problem.samples.n_classes
+        targets = np.array(problem.samples.class_names)[codes] if len(set(codes.tolist())) > 1 else targets
     else:
         targets[row] += rng.normal()
-    return dataclasses.replace(problem, features=features, targets=targets, weights=weights)
+    return problem.replace(features=features, targets=targets, weights=weights)
 
 
 # Any one of these is done to the lines of a log.

@@ -84,7 +84,7 @@ def _few_splits(M: Any, problem: Problem, rng: Generator, solve: Solve) -> Chang
 
 
 def _one_leaf(M: Any, problem: Problem, rng: Generator, solve: Solve) -> Changed:
-    i, k = sorted(rng.choice(problem.n_samples, 2, replace=False).tolist())
+    i, k = sorted(rng.choice(problem.samples.n_samples, 2, replace=False).tolist())
     leaves = sorted({t for _, t in M.z})
     M.pair = pyo.Constraint(leaves, rule=lambda M, t: M.z[i, t] == M.z[k, t])
     return _narrowed(M, lambda tree: any({i, k} <= rows for rows, _ in tree.leaves.values()), solve)
@@ -98,13 +98,13 @@ def _set(M: Any, problem: Problem, rng: Generator, solve: Solve) -> Changed:
 def _whole_threshold(M: Any, problem: Problem, rng: Generator, solve: Solve) -> Changed:
     m = int(rng.integers(1, 4))
     M.b[m].domain = pyo.Binary
-    most = [len(np.unique(column)) - 1 for column in problem.features.T]
+    most = [len(np.unique(column)) - 1 for column in problem.samples.features.T]
     return _narrowed(M, lambda tree: m not in tree.splits or tree.splits[m][1] == most[tree.splits[m][0]], solve)
 
 
 def _high_threshold(M: Any, problem: Problem, rng: Generator, solve: Solve) -> Changed:
     M.b[1].setlb(0.75)
-    most = [len(np.unique(column)) - 1 for column in problem.features.T]
+    most = [len(np.unique(column)) - 1 for column in problem.samples.features.T]
     return _narrowed(M, lambda tree: 1 in tree.splits and tree.splits[1][1] >= 0.75 * most[tree.splits[1][0]], solve)
 
 

@@ -74,20 +74,20 @@ def _pycontree(problem: Problem) -> Fit:
     from pycontree import ConTree
 
     # It keeps float32, so it gets dense ranks, which float32 holds exactly below 2^24.
-    ranks = np.column_stack([np.unique(column, return_inverse=True)[1] for column in problem.features.T])
-    features, labels = ranks.astype(np.float64), problem.codes.astype(np.int32)
+    ranks = np.column_stack([np.unique(column, return_inverse=True)[1] for column in problem.samples.features.T])
+    features, labels = ranks.astype(np.float64), problem.samples.codes.astype(np.int32)
 
     def fit(seconds: float, threads: int) -> Answer:
-        model = ConTree(max_depth=problem.depth, time_limit=seconds)
+        model = ConTree(max_depth=problem.shape.depth, time_limit=seconds)
         model.fit(features, labels)
-        errors = float((np.asarray(model.predict(features)).astype(np.int64) != problem.codes).sum())
+        errors = float((np.asarray(model.predict(features)).astype(np.int64) != problem.samples.codes).sum())
         return Answer(errors, errors, "max_gap=0, dense ranks")
 
     return fit
 
 
 def _binary(problem: Problem) -> NDArray[np.int32]:
-    columns = [column <= value for column in problem.features.T for value in np.unique(column)[:-1]]
+    columns = [column <= value for column in problem.samples.features.T for value in np.unique(column)[:-1]]
     return np.column_stack(columns).astype(np.int32)
 
 
@@ -95,14 +95,15 @@ def _pystreed(problem: Problem) -> Fit:
     from pystreed import STreeDClassifier
 
     features = _binary(problem)
-    depth, price = min(int(problem.depth), MOST_LEVELS_OF_STREED), problem.leaf_penalty / problem.n_samples
+    depth = min(int(problem.shape.depth), MOST_LEVELS_OF_STREED)
+    price = problem.shape.leaf_penalty / problem.samples.n_samples
     task = "cost-complex-accuracy" if price else "accuracy"
 
     def fit(seconds: float, threads: int) -> Answer:
         model = STreeDClassifier(task, max_depth=depth, cost_complexity=price, time_limit=seconds)
-        model.fit(features, problem.codes)
-        errors = float((np.asarray(model.predict(features)) != problem.codes).sum())
-        cost = errors + problem.leaf_penalty * (model.get_n_leaves() - 1)
+        model.fit(features, problem.samples.codes)
+        errors = float((np.asarray(model.predict(features)) != problem.samples.codes).sum())
+        cost = errors + problem.shape.leaf_penalty * (model.get_n_leaves() - 1)
         bound = cost if model.fit_result.is_optimal() else -np.inf
         return Answer(cost, bound, f"{features.shape[1]} binary features, every threshold; {depth} levels")
 
@@ -118,8 +119,8 @@ def _treefarms(problem: Problem) -> Fit:
 
     features = _binary(problem).astype(int)
     columns = pd.DataFrame(features, columns=[f"b{j}" for j in range(features.shape[1])])
-    labels = pd.Series(problem.codes, name="class")
-    n, price = problem.n_samples, problem.leaf_penalty / problem.n_samples
+    labels = pd.Series(problem.samples.codes, name="class")
+    n, price = problem.samples.n_samples, problem.shape.leaf_penalty / problem.samples.n_samples
     # With its default look_ahead the set reaches beyond its own bound, and its first tree need not be optimal.
     settings = {"regularization": price, "rashomon_bound_multiplier": 1e-6, "worker_limit": 1, "look_ahead": False}
 
@@ -143,8 +144,8 @@ def _pydl85(problem: Problem) -> Fit:
     features = _binary(problem)
 
     def fit(seconds: float, threads: int) -> Answer:
-        model = DL85Classifier(max_depth=problem.depth, time_limit=int(np.ceil(seconds)))
-        model.fit(features, problem.codes)
+        model = DL85Classifier(max_depth=problem.shape.depth, time_limit=int(np.ceil(seconds)))
+        model.fit(features, problem.samples.codes)
         return Answer(float(model.error_), float(model.error_), f"{features.shape[1]} binary features, every threshold")
 
     return fit
@@ -156,13 +157,13 @@ def _fast_small_tree(problem: Problem) -> Fit:
     from imodels import FastSmallTreeClassifier
 
     FastSmallTreeClassifier(0.1).fit(np.array([[0.0], [1.0], [2.0]]), np.array([0, 1, 1]))  # compiled before the clock
-    n, price = problem.n_samples, problem.leaf_penalty / problem.n_samples
+    n, price = problem.samples.n_samples, problem.shape.leaf_penalty / problem.samples.n_samples
 
     def fit(seconds: float, threads: int) -> Answer:
         model = FastSmallTreeClassifier(price, time_limit=seconds)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # that it was stopped shows in its bound
-            model.fit(problem.features, problem.codes)
+            model.fit(problem.samples.features, problem.samples.codes)
         # It charges leaves, of which there is one more than splits.
         cost, bound = (round(n * (share - price), 9) for share in (model.upperbound_, model.lowerbound_))
         return Answer(cost, cost if model.optimal_ else bound, f"regularization={price:g}")

@@ -4,14 +4,12 @@ The table is `benchmarks/source_map/levels.py`; the map in docs/developing.md is
 """
 
 import ast
-from collections.abc import Iterator
-from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
 
-from benchmarks.source_map.arrows import CRATES, rust_arrows
+from benchmarks.source_map.arrows import CRATES, imports, rust_arrows
 from benchmarks.source_map.draw import PICTURE, parts_arrows, svg
 from benchmarks.source_map.levels import LEVELS, part_of
 
@@ -25,21 +23,6 @@ EMPTY_NOUNS = {"utils", "util", "helpers", "common", "core", "base", "misc"}
 def sources(folder: str) -> list[Path]:
     files = (ROOT / folder).rglob("*.py")
     return sorted(file for file in files if "target" not in file.parts and ".venv" not in file.parts)
-
-
-@cache
-def imports(code: str) -> tuple[str, ...]:
-    """Return the full dotted name of everything that a module imports, wherever in it."""
-    return tuple(_imports(code))
-
-
-def _imports(code: str) -> Iterator[str]:
-    for node in ast.walk(ast.parse(code)):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            dots = "." * node.level
-            yield from (f"{dots}{node.module or ''}.{alias.name}" for alias in node.names)
 
 
 def complaints(package: str, part: str, code: str) -> list[str]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -50,7 +50,7 @@ class Classes:
 
     def has_log(self, problem: Problem, method: str) -> bool:
         """Return whether a method writes proof logs of a problem."""
-        return method in self.proofs and problem.integer_normals is None
+        return method in self.proofs and problem.shape.integer_normals is None
 
     def ask(self, question: Question, problem: Problem, log: Path | None) -> Solution:
         """Return the answer to a question."""
@@ -128,20 +128,20 @@ def _two_features(rng: Generator) -> Problem:
 
 
 def _few_splits(rng: Generator) -> Problem:
-    return replace(wide_problem(rng), max_splits=int(rng.integers(0, MOST_SPLITS + 1)))
+    return wide_problem(rng).replace(max_splits=int(rng.integers(0, MOST_SPLITS + 1)))
 
 
 def _few_leaves(rng: Generator) -> Problem:
     problem = wide_problem(rng)
     depth = int(rng.integers(1, 5))
-    return replace(problem, depth=depth, sensor_budget=None, max_splits=int(rng.integers(0, min(2**depth, 6))))
+    return problem.replace(depth=depth, sensor_budget=None, max_splits=int(rng.integers(0, min(2**depth, 6))))
 
 
 def _large_leaves(rng: Generator) -> Problem:
     """Return a problem of leaves of two samples or more, with some other options at once."""
     problem = random_problem(rng, max_samples=14)
     problem = with_missing(rng, problem) if rng.random() < 0.2 else problem
-    return replace(problem, leaf_size=int(rng.integers(2, max(2, problem.n_samples // 3) + 1)))
+    return problem.replace(leaf_size=int(rng.integers(2, max(2, problem.samples.n_samples // 3) + 1)))
 
 
 def _grid(rng: Generator) -> Problem:
@@ -161,9 +161,9 @@ def _sparse(rng: Generator) -> Problem:
     share = float(rng.choice((0.02, 0.05, 0.1, 0.2, 0.5)))
     price = share * problem.baseline if rng.random() < 0.7 else float(math.ceil(share * problem.baseline))
     most = int(rng.integers(0, 6)) if rng.random() < 0.2 else None
-    budget = problem.sensor_budget if most is None else None
+    budget = problem.shape.sensor_budget if most is None else None
     any_depth: dict[str, Any] = {"depth": None, "max_splits": most, "sensor_budget": budget}
-    return replace(problem, leaf_penalty=price or 1.0, **any_depth)
+    return problem.replace(leaf_penalty=price or 1.0, **any_depth)
 
 
 class AnyDepthClasses(Classes):
@@ -171,7 +171,7 @@ class AnyDepthClasses(Classes):
 
     def truth(self, problem: Problem) -> Fraction:
         """Return the least cost of any tree."""
-        return least_cost(replace(problem, depth=max(1, problem.n_samples - 1)))
+        return least_cost(problem.replace(depth=max(1, problem.samples.n_samples - 1)))
 
 
 AXIS = {"exact": 1.0, "search": 0.6, "cart": 0.3, "oct": 0.12, "flow": 0.12, "benders": 0.3}

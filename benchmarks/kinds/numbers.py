@@ -68,8 +68,8 @@ class Numbers:
         if answer.tolerance > WIDEST * cost:
             return f"optimal: {answer.objective} would be within {answer.tolerance}, too wide a tolerance"
         # Means are rounded once: each is half of a last place from the best number of its leaf at most.
-        last_place = Fraction(float(np.spacing(np.abs(problem.targets).max())))
-        total = sum(map(Fraction, problem.weights.tolist()), Fraction(0))
+        last_place = Fraction(float(np.spacing(np.abs(problem.samples.targets).max())))
+        total = sum(map(Fraction, problem.samples.weights.tolist()), Fraction(0))
         rounded = total * last_place**2 if problem.loss.name == "squared" else Fraction(0)
         wrong = claims_complaint(answer, cost, truth, ROUNDING * truth + rounded)
         return wrong or log_complaint(problem, log, answer, truth)

@@ -48,7 +48,7 @@ class NearSets:
             problem = with_missing(rng, problem) if rng.random() < 0.4 else problem
             return Near(problem, float(rng.choice(MARGINS)), bool(rng.random() < 0.5))
         problem = _many_cuts(rng)
-        return Near(problem, float(rng.choice([0.0, 1.0])) * (problem.depth == 1), bool(rng.random() < 0.5))
+        return Near(problem, float(rng.choice([0.0, 1.0])) * (problem.shape.depth == 1), bool(rng.random() < 0.5))
 
     def truth(self, problem: Near) -> Recount:
         """Return the set."""

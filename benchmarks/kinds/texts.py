@@ -56,8 +56,8 @@ class Texts:
 
     def truth(self, problem: TextTable) -> Fraction:
         """Return the least errors of any tree."""
-        assert problem.problem.depth is not None
-        return Fraction(least_errors(problem.rows, problem.labels, problem.problem.depth))
+        assert problem.problem.shape.depth is not None
+        return Fraction(least_errors(problem.rows, problem.labels, problem.problem.shape.depth))
 
     def has_log(self, problem: TextTable, method: str) -> bool:
         """Return False: a log knows columns of 0 and 1, as those of other problems."""

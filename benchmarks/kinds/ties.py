@@ -39,7 +39,7 @@ class Ties(Classes):
         assert isinstance(ties, Mapping)
         if problem.has_integer_costs and n_splits(tree) != truth.n_splits:
             return f"optimal: {n_splits(tree)} splits, enumeration finds {truth.n_splits}"
-        n_sensors = len(problem.sensors_used(tree))
+        n_sensors = len(problem.shape.sensors_used(tree))
         if ties["sensors"] == "fewest, proven" and n_sensors != truth.n_sensors:
             return f"optimal: {n_sensors} sensors, enumeration finds {truth.n_sensors}"
         return ""

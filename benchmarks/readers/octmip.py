@@ -5,7 +5,6 @@ import functools
 import importlib
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
@@ -64,14 +63,14 @@ def trained_on(number: int) -> Problem:
     problem = problem_of(number)
     if number % 4:
         return problem
-    is_lost = np.random.default_rng([91, number]).random(problem.features.shape) < 0.3
-    return replace(problem, features=np.where(is_lost, np.nan, problem.features))
+    is_lost = np.random.default_rng([91, number]).random(problem.samples.features.shape) < 0.3
+    return problem.replace(features=np.where(is_lost, np.nan, problem.samples.features))
 
 
 def make_tree(number: int, folder: Path) -> None:
     """Write a tree file and the table that it was trained on."""
     problem = trained_on(number)
-    solution = branch_and_bound(problem) if problem.split == "axis" else local_search(problem)
+    solution = branch_and_bound(problem) if problem.shape.split == "axis" else local_search(problem)
     weights = None if number % 2 == 0 else "w"
     write_tree_file(folder / "tree.json", record_tree(problem, solution, "y", weights))
     write_table(problem, folder / "table.csv")
@@ -79,8 +78,8 @@ def make_tree(number: int, folder: Path) -> None:
 
 def write_table(problem: Problem, path: Path) -> None:
     """Write the samples of a problem."""
-    frame = pd.DataFrame(problem.features, columns=list(problem.feature_names))
-    frame["y"], frame["w"] = problem.targets, problem.weights
+    frame = pd.DataFrame(problem.samples.features, columns=list(problem.samples.feature_names))
+    frame["y"], frame["w"] = problem.samples.targets, problem.samples.weights
     frame.to_csv(path, index=False) if path.suffix == ".csv" else frame.to_parquet(path)
 
 
@@ -280,7 +279,12 @@ def make_log(number: int, folder: Path) -> None:
     else:
         names = ("a", "b")
         problem = Problem(
-            problem.features[:, :2], problem.targets, depth=1, split="hyperplane", split_size=2, feature_names=names
+            problem.samples.features[:, :2],
+            problem.samples.targets,
+            depth=1,
+            split="hyperplane",
+            split_size=2,
+            feature_names=names,
         )
         solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=folder / "proof.log"))
     write_tree_file(folder / "tree.json", record_tree(problem, solution, "y"))

@@ -32,7 +32,7 @@ def python_arrows(packages: tuple[str, ...] = PACKAGES, root: Path = ROOT) -> Ar
     files = {name: file for name, file in files.items() if "native.target" not in name}
     known = {*files, NATIVE}
     found = {
-        name: frozenset(_known(used, known) for used in _imports(file.read_text())) - {name, ""}
+        name: frozenset(_known(used, known) for used in _named(file.read_text())) - {name, ""}
         for name, file in files.items()
     }
     return {**found, NATIVE: frozenset()}
@@ -60,14 +60,20 @@ def _module(file: Path) -> str:
     return ".".join(file.with_suffix("").parts).removesuffix(".__init__")
 
 
-def _imports(code: str) -> Iterator[str]:
+def imports(code: str) -> Iterator[str]:
+    """Yield the full dotted name of everything that a module imports, wherever in it."""
     for node in ast.walk(ast.parse(code)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
-            yield from (f"{node.module or ''}.{alias.name}" for alias in node.names)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and _MODULE.fullmatch(node.value):
-            yield node.value
+            yield from (f"{'.' * node.level}{node.module or ''}.{alias.name}" for alias in node.names)
+
+
+def _named(code: str) -> Iterator[str]:
+    """Yield what a module imports, or names as a module in a string."""
+    yield from imports(code)
+    texts = (node.value for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Constant))
+    yield from (text for text in texts if isinstance(text, str) and _MODULE.fullmatch(text))
 
 
 def _known(dotted: str, known: set[str]) -> str:

@@ -29,6 +29,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.question.parts": 1,
         "trees.question.losses": 2,
         "trees.question.shape": 2,
+        "trees.question.samples": 2,
         "trees.nodes.order": 2,
         "trees.question.part_check": 2,
         "trees.nodes.prediction": 3,

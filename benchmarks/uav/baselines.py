@@ -42,7 +42,7 @@ def _rows_of_label(data: Dataset, label: str, seed: int, seconds: float) -> list
 
 def _row(data: Dataset, label: str, problem: Problem, name: str, codes: NDArray[np.int64]) -> dict[str, object]:
     levels = getattr(data, label)
-    misses = np.abs(np.array(problem.class_names, dtype=float)[codes] - levels)
+    misses = np.abs(np.array(problem.samples.class_names, dtype=float)[codes] - levels)
     row: dict[str, object] = {"label": label, "model": name}
     for part, rows in (("train", data.is_train), ("test", ~data.is_train)):
         row[f"error_{part}"] = float((misses[rows] > 0).mean())

@@ -61,7 +61,7 @@ def _figures(
         tree = deepest.solution.tree
         assert tree is not None
         problem = problem_of(data, deepest.cell)
-        used[f"gauges of the depth-{depth} tree for {label}"] = problem.sensors_used(tree)
+        used[f"gauges of the depth-{depth} tree for {label}"] = problem.shape.sensors_used(tree)
         figures[f"tree_{label}"] = tree_figure(problem, tree)
         axis = pick(outcomes, task="axis", label=label, depth=depth, gauge_set="two")
         planes = pick(outcomes, task="two features", label=label, gauge_set="two")

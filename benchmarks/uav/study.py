@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -74,11 +74,11 @@ def problem_of(data: Dataset, cell: Cell) -> Problem:
     labels = getattr(data, cell.label)[data.is_train]
     problem = Problem(data.features[data.is_train][:, columns], labels, depth=cell.depth, feature_names=cell.gauges)
     if cell.task == "two features":
-        return replace(problem, split="hyperplane", split_size=2)
+        return problem.replace(split="hyperplane", split_size=2)
     if cell.task == "budget 2":
-        return replace(problem, sensor_budget=2.0)
+        return problem.replace(sensor_budget=2.0)
     if cell.task == "risk":
-        return replace(problem, weights=np.where(labels > CRITICAL_PERCENT, CRITICAL_WEIGHT, 1.0))
+        return problem.replace(weights=np.where(labels > CRITICAL_PERCENT, CRITICAL_WEIGHT, 1.0))
     return problem
 
 
@@ -88,7 +88,7 @@ def misses(problem: Problem, data: Dataset, cell: Cell, solution: Solution, *, t
     columns = [data.gauges.index(gauge) for gauge in cell.gauges]
     assert solution.tree is not None
     codes = predict(solution.tree, data.features[rows][:, columns])
-    told = np.array(problem.class_names, dtype=float)[codes]
+    told = np.array(problem.samples.class_names, dtype=float)[codes]
     return np.asarray(np.abs(told - getattr(data, cell.label)[rows]))
 
 
@@ -113,11 +113,11 @@ def run_cell(data: Dataset, cell: Cell, limit: BayesLimit) -> Outcome:
         "task": cell.task,
         "label": cell.label,
         "depth": cell.depth,
-        "split": problem.split,
-        "split_size": problem.max_split_size,
+        "split": problem.shape.split,
+        "split_size": problem.shape.max_split_size,
         "gauge_set": cell.gauge_set,
         "n_gauges": len(cell.gauges),
-        "n_train": problem.n_samples,
+        "n_train": problem.samples.n_samples,
         "sensors": list(certificate.sensors),
         "method": cell.method,
         "errors": certificate.errors,
@@ -148,7 +148,7 @@ def best_pair(data: Dataset, label: str, seed: int) -> tuple[str, ...]:
     cell = Cell("budget 2", label, data.gauges, "all", 3, "exact", 60.0, seed)
     solution = solve(problem_of(data, cell), cell.method, limits=Limits(seconds=cell.seconds), seed=seed)
     assert solution.tree is not None
-    return problem_of(data, cell).sensors_used(solution.tree)
+    return problem_of(data, cell).shape.sensors_used(solution.tree)
 
 
 @dataclass(frozen=True, slots=True)

@@ -166,25 +166,27 @@ def record_tree(
     TreeError
         the solution has no tree.
     """
+    samples, shape = problem.samples, problem.shape
     if solution.tree is None:
         raise TreeError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to write")
-    settings = {name: getattr(problem, name) for name in SETTINGS}
-    settings["depth"] = None if problem.any_depth else problem.depth
-    settings["allowed_splits"] = problem.allowed_splits and [list(group) for group in problem.allowed_splits]
-    settings["monotone"] = None if problem.monotone is None else [SIGNS[way] for way in problem.directions]
-    given = {address(part.path): part.split_words(problem.feature_names) for part in problem.given_splits}
+    settings = {name: getattr(problem.shape, name, None) for name in SETTINGS}
+    settings["takes_missing"] = samples.takes_missing
+    settings["depth"] = None if shape.any_depth else shape.depth
+    settings["allowed_splits"] = shape.allowed_splits and [list(group) for group in shape.allowed_splits]
+    settings["monotone"] = None if shape.monotone is None else [SIGNS[way] for way in shape.directions]
+    given = {address(part.path): part.split_words(samples.feature_names) for part in shape.fixed_splits or ()}
     settings["fixed_splits"] = given or None
-    settings["path_rules"] = words_of_rules(problem.rules_of_paths, problem.feature_names) or None
+    settings["path_rules"] = words_of_rules(shape.path_rules or (), samples.feature_names) or None
     settings["loss"] = problem.loss.to_json()
-    settings["sensor_of_feature"] = list(problem.sensor_of_feature or ())
-    settings["sensor_cost"] = dict(zip(problem.sensors, problem.sensor_costs.tolist(), strict=True))
+    settings["sensor_of_feature"] = list(shape.sensor_of_feature or ())
+    settings["sensor_cost"] = dict(zip(shape.sensors, shape.sensor_costs.tolist(), strict=True))
     return TreeFile(
         solution=solution,
-        feature_names=problem.feature_names,
-        class_names=problem.class_names,
+        feature_names=samples.feature_names,
+        class_names=samples.class_names,
         settings=settings,
         sha256=problem.digest(),
-        n_samples=problem.n_samples,
+        n_samples=samples.n_samples,
         target_column=target_column,
         weights_column=weights_column,
         leaf_counts=leaf_counts(problem, solution.tree),
@@ -199,9 +201,10 @@ def leaf_counts(problem: Problem, tree: Node) -> NDArray[np.int64]:
 
     Of numbers the shape is (n_leaves, 1): all samples of each leaf.
     """
-    counts = np.zeros((len(leaves(tree)), problem.n_classes or 1), dtype=np.int64)
-    codes = problem.codes if problem.n_classes else np.zeros(problem.n_samples, dtype=np.int64)
-    np.add.at(counts, (leaf_index(tree, problem.features), codes), 1)
+    samples = problem.samples
+    counts = np.zeros((len(leaves(tree)), samples.n_classes or 1), dtype=np.int64)
+    codes = samples.codes if samples.n_classes else np.zeros(samples.n_samples, dtype=np.int64)
+    np.add.at(counts, (leaf_index(tree, samples.features), codes), 1)
     return counts
 
 
@@ -374,7 +377,7 @@ def tree_for(problem: Problem, file: TreeFile) -> Node:
         the problem lacks a feature or class that the tree names.
     """
     named = encode_tree(file.tree, file.feature_names, file.class_names)
-    return decode_tree(named, problem.feature_names, problem.class_names)
+    return decode_tree(named, problem.samples.feature_names, problem.samples.class_names)
 
 
 def old_tree_for(feature_names: Sequence[str], file: TreeFile) -> Node:

@@ -9,7 +9,6 @@ Each returns names of sensors that cost the budget at most.
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,14 +26,14 @@ QUICK_LIMITS = Limits(nodes=10)
 
 def by_reading(problem: Problem, budget: float) -> tuple[str, ...]:
     """Return the sensors of highest mean absolute reading (of a sensor's features the highest)."""
-    strength = np.zeros(len(problem.sensors))
-    np.maximum.at(strength, problem.sensor_index, np.abs(problem.features).mean(axis=0, dtype=np.float64))
+    strength = np.zeros(len(problem.shape.sensors))
+    np.maximum.at(strength, problem.shape.sensor_index, np.abs(problem.samples.features).mean(axis=0, dtype=np.float64))
     return _affordable(problem, np.argsort(-strength, kind="stable"), budget)
 
 
 def by_chance(problem: Problem, budget: float, rng: np.random.Generator) -> tuple[str, ...]:
     """Return sensors in a random order while they can be paid for."""
-    return _affordable(problem, rng.permutation(len(problem.sensors)), budget)
+    return _affordable(problem, rng.permutation(len(problem.shape.sensors)), budget)
 
 
 def by_tree(problem: Problem, budget: float, *, seed: int = 0) -> tuple[str, ...]:
@@ -47,21 +46,23 @@ def by_tree(problem: Problem, budget: float, *, seed: int = 0) -> tuple[str, ...
     while candidates := _payable(problem, chosen, budget):
         trials = []
         for name in candidates:
-            part = replace(problem_on(problem, [*chosen, name]), sensor_budget=None)
+            part = problem_on(problem, [*chosen, name]).replace(sensor_budget=None)
             found = solve(part, "search", QUICK_LIMITS, seed=seed, options=QUICK)
-            s = problem.sensors.index(name)
-            trials.append((found.objective, float(problem.sensor_costs[s]), s))
-        chosen.append(problem.sensors[min(trials)[2]])
+            s = problem.shape.sensors.index(name)
+            trials.append((found.objective, float(problem.shape.sensor_costs[s]), s))
+        chosen.append(problem.shape.sensors[min(trials)[2]])
     return _in_order(problem, chosen)
 
 
 def _payable(problem: Problem, chosen: Iterable[str], budget: float) -> list[str]:
     """Return the sensors that can be paid for beside those chosen."""
-    costs = dict(zip(problem.sensors, problem.sensor_costs.tolist(), strict=True))
+    costs = dict(zip(problem.shape.sensors, problem.shape.sensor_costs.tolist(), strict=True))
     bought = list(chosen)
     limit = budget + 1e-9 * max(1.0, budget)
     return [
-        s for s in problem.sensors if s not in bought and math.fsum([costs[s], *(costs[b] for b in bought)]) <= limit
+        s
+        for s in problem.shape.sensors
+        if s not in bought and math.fsum([costs[s], *(costs[b] for b in bought)]) <= limit
     ]
 
 
@@ -69,11 +70,11 @@ def _affordable(problem: Problem, ranking: NDArray[np.int64], budget: float) -> 
     """Return the sensors of a ranking, the best first, each that can still be paid for."""
     chosen: list[str] = []
     for s in ranking:
-        if problem.sensors[int(s)] in _payable(problem, chosen, budget):
-            chosen.append(problem.sensors[int(s)])
+        if problem.shape.sensors[int(s)] in _payable(problem, chosen, budget):
+            chosen.append(problem.shape.sensors[int(s)])
     return _in_order(problem, chosen)
 
 
 def _in_order(problem: Problem, chosen: Iterable[str]) -> tuple[str, ...]:
     kept = set(chosen)
-    return tuple(name for name in problem.sensors if name in kept)
+    return tuple(name for name in problem.shape.sensors if name in kept)

@@ -329,7 +329,7 @@ def _changed(
             deployed, error = float(apart.mean() + errors.mean()), float(apart.std() / np.sqrt(len(apart)))
             if may_keep and apart.mean() <= SIGNIFICANT * error:
                 solutions[k] = _kept(problem, solutions[k], old.tree)
-            splits = tuple(_apart(old.tree, _tree(solutions[k]), problem.feature_names, one.values))
+            splits = tuple(_apart(old.tree, _tree(solutions[k]), problem.samples.feature_names, one.values))
             verdict = "changed" if splits else "kept"
         own = solutions[k]
         claims = (own.objective, own.bound, own.is_optimal)

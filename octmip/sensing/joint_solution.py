@@ -92,11 +92,11 @@ def certify_joint(joint: JointSolution) -> tuple[Certificate, ...]:
         what was recounted.
     """
     certificates = tuple(map(certify, joint.problems, joint.solutions))
-    limits = {problem.sensor_limit for problem in joint.problems}
+    limits = {problem.shape.sensor_limit for problem in joint.problems}
     if len(limits) > 1 or joint.sensor_cost > max(limits):
         raise CertificateError(
             f"the trees together read {joint.sensors} of cost {joint.sensor_cost}, but the budgets of the problems are "
-            f"{[problem.sensor_budget for problem in joint.problems]}; expected one budget that is kept"
+            f"{[problem.shape.sensor_budget for problem in joint.problems]}; expected one budget that is kept"
         )
     saving, objective = least_saving(joint.problems, joint.weights), joint.objective
     check_optimality("the joint solution", joint, objective, saving, "what one sample or split of one label can save")
@@ -117,7 +117,8 @@ def weighted_sum(weights: Sequence[float], values: Iterable[float]) -> float:
 
 def sensors_of(problems: Sequence[Problem], trees: Iterable[Node]) -> frozenset[str]:
     """Return the sensors that some of the trees reads."""
-    return frozenset[str]().union(*(problem.sensors_used(tree) for problem, tree in zip(problems, trees, strict=True)))
+    read = (problem.shape.sensors_used(tree) for problem, tree in zip(problems, trees, strict=True))
+    return frozenset[str]().union(*read)
 
 
 def least_saving(problems: Sequence[Problem], weights: Sequence[float]) -> float:
@@ -130,7 +131,7 @@ def sensor_prices(problems: Sequence[Problem]) -> dict[str, float]:
     """Return the cost of every sensor, in the order in which they first appear; a sensor has one cost."""
     prices: dict[str, float] = {}
     for k, problem in enumerate(problems):
-        for name, cost in zip(problem.sensors, problem.sensor_costs.tolist(), strict=True):
+        for name, cost in zip(problem.shape.sensors, problem.shape.sensor_costs.tolist(), strict=True):
             if prices.setdefault(name, cost) != cost:
                 raise ProblemError(
                     f"sensor {name!r} costs {cost} in problem {k} but {prices[name]} in one before; expected "

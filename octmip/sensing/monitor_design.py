@@ -60,7 +60,9 @@ class MonitorDesign:
         """The trees, with the values that they predict."""
         named = zip(self.library.parameters, self.problems, self.solutions, strict=True)
         return tuple(
-            ParameterTree(name, solution.tree, tuple(map(float, problem.class_names)), problem.feature_names)
+            ParameterTree(
+                name, solution.tree, tuple(map(float, problem.samples.class_names)), problem.samples.feature_names
+            )
             for name, problem, solution in named
             if solution.tree is not None
         )
@@ -90,7 +92,9 @@ class MonitorDesign:
     def sensors(self) -> tuple[str, ...]:
         """Names of the readings that some tree needs."""
         read = [
-            p.sensors_used(s.tree) for p, s in zip(self.problems, self.solutions, strict=True) if s.tree is not None
+            p.shape.sensors_used(s.tree)
+            for p, s in zip(self.problems, self.solutions, strict=True)
+            if s.tree is not None
         ]
         return tuple(name for name in self.library.gauges if any(name in names for names in read))
 
@@ -173,7 +177,8 @@ def design_monitor(
     if budget is None:
         start = {one.parameter: one.over(library.gauges).tree for one in deployed}
         solutions = tuple(
-            solve(problem, limits=limits, seed=seed, incumbent=start.get(problem.target_name)) for problem in problems
+            solve(problem, limits=limits, seed=seed, incumbent=start.get(problem.samples.target_name))
+            for problem in problems
         )
     else:
         joint = shared_budget(problems, budget, limits=limits, seed=seed)

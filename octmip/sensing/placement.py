@@ -95,13 +95,13 @@ def place_sensors(
     solution = solve_run(problem, run, first)
     if solution.tree is None:
         return Placement((), 0.0, problem, solution)
-    sensors = problem.sensors_used(solution.tree)
-    return Placement(sensors, problem.sensor_cost_of(solution.tree), problem, solution)
+    sensors = problem.shape.sensors_used(solution.tree)
+    return Placement(sensors, problem.shape.sensor_cost_of(solution.tree), problem, solution)
 
 
 def _among_all(placement: Placement, problem: Problem) -> Node:
     """Return the tree of a placement on some sensors, its features those of the problem with all."""
-    index = [problem.feature_names.index(name) for name in placement.problem.feature_names]
+    index = [problem.samples.feature_names.index(name) for name in placement.problem.samples.feature_names]
 
     def renamed(tree: Node) -> Node:
         if isinstance(tree, Leaf):
@@ -139,7 +139,7 @@ def placement_on(
 
 def _placement_on(problem: Problem, sensors: Iterable[str], run: Run) -> Placement:
     part = problem_on(problem, sensors)
-    return Placement(part.sensors, math.fsum(part.sensor_costs), part, solve_run(part, run))
+    return Placement(part.shape.sensors, math.fsum(part.shape.sensor_costs), part, solve_run(part, run))
 
 
 def problem_on(problem: Problem, sensors: Iterable[str]) -> Problem:
@@ -150,22 +150,22 @@ def problem_on(problem: Problem, sensors: Iterable[str]) -> Problem:
     ProblemError
         a sensor is not one of the problem's, or there is none.
     """
+    shape = problem.shape
     wanted = set(sensors)
-    unknown = sorted(wanted - set(problem.sensors))
+    unknown = sorted(wanted - set(shape.sensors))
     if unknown or not wanted:
-        raise ProblemError(f"sensors names {unknown or 'none'}; expected some of the problem's {len(problem.sensors)}")
-    assert problem.sensor_of_feature is not None  # filled in by Problem
-    kept = [j for j, name in enumerate(problem.sensor_of_feature) if name in wanted]
-    groups: Any = problem.allowed_splits
+        raise ProblemError(f"sensors names {unknown or 'none'}; expected some of the problem's {len(shape.sensors)}")
+    assert shape.sensor_of_feature is not None  # filled in by Problem
+    kept = [j for j, name in enumerate(shape.sensor_of_feature) if name in wanted]
+    groups: Any = shape.allowed_splits
     if groups is not None:
         groups = [[kept.index(j) for j in group if j in kept] for group in groups]
         groups = [group for group in groups if group]
-    costs = dict(zip(problem.sensors, problem.sensor_costs.tolist(), strict=True))
-    return replace(
-        problem,
-        features=problem.features[:, kept],
-        feature_names=tuple(problem.feature_names[j] for j in kept),
-        sensor_of_feature=[problem.sensor_of_feature[j] for j in kept],
+    costs = dict(zip(shape.sensors, shape.sensor_costs.tolist(), strict=True))
+    return problem.replace(
+        features=problem.samples.features[:, kept],
+        feature_names=tuple(problem.samples.feature_names[j] for j in kept),
+        sensor_of_feature=[shape.sensor_of_feature[j] for j in kept],
         sensor_cost={name: cost for name, cost in costs.items() if name in wanted},
         allowed_splits=groups,
     )
@@ -207,7 +207,7 @@ def placement_frontier(
     SolverError
         as `octmip.solve`.
     """
-    counted = replace(problem, sensor_cost=None) if over == "number" else problem
+    counted = problem.replace(sensor_cost=None) if over == "number" else problem
     points = frontier_run(counted, "budget", values, Run(method, limits, seed, n_jobs, options))
     known = label_bound(problem)
     return [replace(point, solution=_bounded(point.solution, known)) for point in points]
@@ -225,8 +225,8 @@ def label_bound(problem: Problem) -> float:
 
     The least cost over the sets of so many classes when every sample gets the cheapest class of the set; 0 or more.
     """
-    n_leaves, n_classes = 2**problem.depth, problem.n_classes
-    paid = [exact_sum(problem.weights[problem.codes == code]) for code in range(n_classes)]
+    n_leaves, n_classes = 2**problem.shape.depth, problem.samples.n_classes
+    paid = [exact_sum(problem.samples.weights[problem.samples.codes == code]) for code in range(n_classes)]
     size = min(n_leaves, n_classes)
     if math.comb(n_classes, size) > MOST_LABEL_SETS:
         return 0.0

@@ -86,13 +86,13 @@ def shared_budget(
 def _with_budget(problems: Sequence[Problem], budget: float) -> tuple[Problem, ...]:
     if not problems:
         raise ProblemError("problems is empty; expected one problem for each label; give one")
-    budgeted = [k for k, problem in enumerate(problems) if problem.sensor_budget is not None]
+    budgeted = [k for k, problem in enumerate(problems) if problem.shape.sensor_budget is not None]
     if budgeted:
         raise ProblemError(
             f"problems {budgeted} have a sensor_budget of their own; expected none, as the shared "
             "one holds for all; leave it out"
         )
-    return tuple(replace(problem, sensor_budget=budget) for problem in problems)
+    return tuple(problem.replace(sensor_budget=budget) for problem in problems)
 
 
 def _checked_weights(weights: Sequence[float] | None, n_labels: int) -> tuple[float, ...]:
@@ -107,10 +107,10 @@ def _checked_weights(weights: Sequence[float] | None, n_labels: int) -> tuple[fl
 def _chosen_method(problems: Sequence[Problem], method: str) -> Literal["exact", "search"]:
     if method not in ("auto", "exact", "search"):
         raise ProblemError(f"method is {method!r}; expected 'auto', 'exact' or 'search'")
-    is_axis = all(problem.split == "axis" for problem in problems)
+    is_axis = all(problem.shape.split == "axis" for problem in problems)
     if method == "exact" and not is_axis:
         raise ProblemError("method is 'exact' but a problem asks for hyperplanes; use 'search', or split='axis'")
-    is_small = is_axis and max(problem.depth for problem in problems) <= EXACT_DEPTH
+    is_small = is_axis and max(problem.shape.depth for problem in problems) <= EXACT_DEPTH
     return "exact" if method == "exact" or (method == "auto" and is_small) else "search"
 
 
@@ -185,17 +185,17 @@ class SetSearch:
     def _solution(self, label: int, held: Sensors, banned: Sensors, start: Node | None = None) -> Solution:
         """Return the solution of z_label(held, banned): held sensors free, banned ones dearer than all that is left."""
         problem = self.problems[label]
-        question = label, held, banned & frozenset(problem.sensors)
+        question = label, held, banned & frozenset(problem.shape.sensors)
         if question not in self.known or (start is not None and self.run.method == "search"):
-            assert problem.sensor_budget is not None  # the shared one
-            left = max(0.0, problem.sensor_budget - self._cost(held))
+            assert problem.shape.sensor_budget is not None  # the shared one
+            left = max(0.0, problem.shape.sensor_budget - self._cost(held))
             prices = {
                 name: 0.0 if name in held else 2 * left + 1 if name in banned else self.prices[name]
-                for name in problem.sensors
+                for name in problem.shape.sensors
             }
             seconds = max(0.0, self.started + self.run.limits.seconds - time.perf_counter())
             limits = Limits(seconds=seconds, memory=self.run.limits.memory)
-            asked = replace(problem, sensor_cost=prices, sensor_budget=left)
+            asked = problem.replace(sensor_cost=prices, sensor_budget=left)
             solution = solve_run(asked, replace(self.run, limits=limits), start)
             self.is_interrupted |= solution.stop is Stop.INTERRUPTED
             self.known[question] = solution
@@ -203,13 +203,13 @@ class SetSearch:
 
     def _read(self, label: int, tree: Node | None) -> Sensors:
         assert tree is not None  # both methods always return one
-        return frozenset(self.problems[label].sensors_used(tree))
+        return frozenset(self.problems[label].shape.sensors_used(tree))
 
     def _cost(self, sensors: Iterable[str]) -> float:
         return math.fsum(self.prices[name] for name in sensors)
 
     def _is_affordable(self, sensors: Iterable[str]) -> bool:
-        return self._cost(sensors) <= self.problems[0].sensor_limit
+        return self._cost(sensors) <= self.problems[0].shape.sensor_limit
 
     @property
     def _is_over(self) -> bool:

@@ -29,14 +29,7 @@ from octmip.trees.answer.certificate import certify, checked_incumbent, checked_
 from octmip.trees.answer.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.trees.methods.checkpoint.entry import Entry, entry_of
 from octmip.trees.methods.memory import within_process
-from octmip.trees.methods.options import (
-    NO_OPTIONS,
-    BendersOptions,
-    ExactOptions,
-    MipOptions,
-    Options,
-    SearchOptions,
-)
+from octmip.trees.methods.options import NO_OPTIONS, BendersOptions, ExactOptions, MipOptions, Options, SearchOptions
 from octmip.trees.nodes.tree import Node
 from octmip.trees.question.problem import Problem
 from octmip.trees.regression.ordered import freed, in_order
@@ -125,7 +118,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     _write_model(problem, name, run, first)
     if problem.has_sample_costs:
         return _by_weighted_rows(problem, run, first)
-    if problem.leaf_weight is not None and name != "cart":
+    if problem.shape.leaf_weight is not None and name != "cart":
         return _by_sized_rows(problem, run, first)
     start = time.perf_counter()
 
@@ -175,7 +168,7 @@ def until_interrupted(problem: Problem, solve: Callable[[], Solution], name: str
                 if solution.stop is Stop.INTERRUPTED:
                     interruption.note()
                 return solution
-        tree = problem.best_leaf() if known is None and problem.is_leaf_allowed else known
+        tree = problem.best_leaf() if known is None and problem.shape.is_leaf_allowed else known
         objective = math.inf if tree is None else problem.objective(tree)
         return Solution(tree, objective, -math.inf, Stop.INTERRUPTED, 0.0, 0, name, "1", 0)
 
@@ -213,7 +206,7 @@ def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Sol
     if isinstance(options, ExactOptions) and options.proof is not None:
         raise ProblemError("proof is given with costs of single samples, which no log knows; leave proof out")
     made = weighted_rows(problem)
-    if made is None and not problem.is_leaf_allowed:
+    if made is None and not problem.shape.is_leaf_allowed:
         raise ProblemError(
             "every decision costs the same for all samples, so no part of a tree has a price; leave it out"
         )
@@ -273,7 +266,7 @@ def _with_tree_of(problem: Problem, found: Solution, known: list[Node | None]) -
     """Return a solution with the best tree of the problem that is at hand, in place of one with too light a leaf."""
     if solvers_of(problem)["cart"].refusal(problem) is None:
         known = [*known, solve_run(problem, Run("cart", seed=found.seed)).tree]
-    known = [*known, problem.best_leaf() if problem.is_leaf_allowed else None]
+    known = [*known, problem.best_leaf() if problem.shape.is_leaf_allowed else None]
     objective, tree = min(
         ((problem.objective(tree), tree) for tree in known if tree), default=(math.inf, None), key=itemgetter(0)
     )
@@ -297,8 +290,8 @@ def _wants_incumbent(problem: Problem, name: str, options: Options) -> bool:
     solver = solvers_of(problem)[name]
     if isinstance(options, BendersOptions):
         return options.start == "search"
-    is_long = solver is EXACT and problem.n_samples >= MANY_SAMPLES
-    is_deep = problem.depth + is_long > solver.alone_to_depth
+    is_long = solver is EXACT and problem.samples.n_samples >= MANY_SAMPLES
+    is_deep = problem.shape.depth + is_long > solver.alone_to_depth
     return solver.proves and (is_deep or _starts_less_deep(problem, name))
 
 
@@ -343,14 +336,15 @@ def _finder(solution: Solution, name: str, first: Solution | None) -> str:
 
 def _starts_less_deep(problem: Problem, name: str) -> bool:
     """Whether a proof starts from the best tree that is less deep: in order, local search often finds none as good."""
-    return solvers_of(problem)[name] is SHAPED and problem.monotone is not None and problem.depth > PROVEN_IN_ORDER
+    is_in_order = solvers_of(problem)[name] is SHAPED and problem.shape.monotone is not None
+    return is_in_order and problem.shape.depth > PROVEN_IN_ORDER
 
 
 def _first_tree(call: Call, name: str, tree: Node | None = None, share: float = SEARCH_SHARE) -> Solution:
     """Return the tree that a proof starts from: the best axis-aligned one for boxes of lines, else one of search."""
     if solvers_of(call.problem)[name] is TWO_FEATURE:
         # A few milliseconds; without it a proof that is stopped while it lays out its tables has next to nothing.
-        axis = replace(call.problem, split="axis", split_size=None, integer_normals=None)
+        axis = call.problem.replace(split="axis", split_size=None, integer_normals=None)
         return replace(call, problem=axis).solve("exact", None, share=share)
     if share < 1.0 and _starts_less_deep(call.problem, name):
         spent, progress = time.perf_counter() - call.start, call.run.progress
@@ -361,11 +355,11 @@ def _first_tree(call: Call, name: str, tree: Node | None = None, share: float = 
 
         limits = replace(call.run.limits, seconds=max(0.0, (call.run.limits.seconds - spent) / 2))
         run = replace(call.run, limits=limits, progress=shown)
-        less = Call(replace(call.problem, depth=call.problem.depth - 1), run, time.perf_counter())
+        less = Call(call.problem.replace(depth=call.problem.shape.depth - 1), run, time.perf_counter())
         return replace(_result(less, name, None), solver=SHALLOWER, bound=-math.inf)
     options = SearchOptions(cluster=call.run.options.cluster)
     if share < 1.0:  # a proof follows; where it has ended, all the time that is left is the search's
-        restarts = 1 if call.problem.depth <= EXACT.alone_to_depth else FIRST_RESTARTS
+        restarts = 1 if call.problem.shape.depth <= EXACT.alone_to_depth else FIRST_RESTARTS
         options = replace(options, restarts=restarts)
     return call.solve("search", tree, share=share, options=options)
 

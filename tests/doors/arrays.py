@@ -28,7 +28,7 @@ MASKED_FIELDS = np.ma.masked_array(FIELDS, [(False, gone) for gone in LOST])
 
 def seen(features: Any) -> tuple[Any, ...]:
     """Return the numbers of the last column of a Problem, None where one is missing."""
-    column = Problem(features, LABELS, depth=1).features[:, -1]
+    column = Problem(features, LABELS, depth=1).samples.features[:, -1]
     return tuple(None if np.isnan(number) else number for number in column.tolist())
 
 
@@ -49,11 +49,11 @@ def asked(features: Any) -> list[int]:
 
 
 def labelled(labels: Any) -> tuple[Any, ...]:
-    return Problem(NUMBERS[:, None], labels, depth=1).class_names
+    return Problem(NUMBERS[:, None], labels, depth=1).samples.class_names
 
 
 def weighed(weights: Any) -> list[float]:
-    return Problem(NUMBERS[:, None], LABELS, depth=1, weights=weights).weights.tolist()
+    return Problem(NUMBERS[:, None], LABELS, depth=1, weights=weights).samples.weights.tolist()
 
 
 def _polars(change: Callable[[Any], Any]) -> Callable[[Path], Any]:

@@ -86,14 +86,14 @@ def fitted(levels: tuple[str, ...], y: Any, **options: Any) -> tuple[float, bool
     tree = OptimalTreeClassifier(2, monotonic_cst=[1], smoothing=0, **options).fit([[x] for x in crack], y)
     predicted = tree.predict([[x] for x in crack]).tolist() == words
     likely = tree.classes_[tree.predict_proba([[x] for x in crack]).argmax(axis=1)].tolist() == words
-    return tree.objective_, tree.is_optimal_, tree.problem_.class_order, predicted and likely
+    return tree.objective_, tree.is_optimal_, tree.problem_.samples.class_order, predicted and likely
 
 
 def asked_of_python(levels: tuple[str, ...], y: Any, **options: Any) -> tuple[float, bool, tuple[Any, ...]]:
     crack, _ = samples(levels)
     problem = Problem([[x] for x in crack], y, depth=2, monotone=[1], **options)
     found = solve(problem)
-    return found.objective, found.is_optimal, problem.class_order
+    return found.objective, found.is_optimal, problem.samples.class_order
 
 
 def row(door: str, writer: str, case: str, make: Any, ask: Any, answer: Any) -> Row:

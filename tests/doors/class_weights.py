@@ -42,7 +42,10 @@ def wrong_of_baselines(unit: tuple[float, float]) -> int:
     """Return how many of 50 rows any baseline calls wrong where one cut parts the classes."""
     order = np.random.default_rng(0).permutation(50)
     problem = Problem((unit[0] + unit[1] * order)[:, None], (order > 24).astype(int), depth=1)
-    return sum(int((train(0)(problem.features) != problem.codes).sum()) for train in baselines_of(problem).values())
+    return sum(
+        int((train(0)(problem.samples.features) != problem.samples.codes).sum())
+        for train in baselines_of(problem).values()
+    )
 
 
 def says_its_one_answer(path: Path) -> bool:

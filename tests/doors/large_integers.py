@@ -118,7 +118,7 @@ ROWS: list[Row] = [
     *(of_file(writer, "classes, one missing", HOLED, classes_of, LARGE[:3]) for writer in FILES),
     of_labels("Problem", "targets", lambda y: Problem(READINGS, y, depth=2, loss=SquaredError()), REFUSED),
     of_labels("OptimalTreeRegressor", "targets", lambda y: OptimalTreeRegressor(2).fit(READINGS, y), REFUSED),
-    of_labels("Problem", "classes", lambda y: list(Problem(READINGS, y, depth=2).class_names), LARGE),
+    of_labels("Problem", "classes", lambda y: list(Problem(READINGS, y, depth=2).samples.class_names), LARGE),
     of_labels(
         "OptimalTreeClassifier",
         "classes",

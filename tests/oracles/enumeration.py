@@ -51,9 +51,9 @@ def least(
 ) -> tuple[int | Fraction, int, int, Node]:
     """Return least cost, splits, sensors and tree, from the cost and the leaf of a mask and the price of a split."""
     found = []
-    for n_sensors in range(len(problem.sensors) + 1):
-        for chosen in combinations(range(len(problem.sensors)), n_sensors):
-            if math.fsum(problem.sensor_costs[list(chosen)]) <= problem.sensor_limit:
+    for n_sensors in range(len(problem.shape.sensors) + 1):
+        for chosen in combinations(range(len(problem.shape.sensors)), n_sensors):
+            if math.fsum(problem.shape.sensor_costs[list(chosen)]) <= problem.shape.sensor_limit:
                 cost, n_splits, tree = _best_tree(problem, leaf, price, list(_cuts(problem, chosen)))
                 found.append((cost, n_splits, n_sensors, tree))
     return min(found, key=lambda entry: entry[:3])
@@ -62,16 +62,16 @@ def least(
 def whole_prices(problem: Problem) -> tuple[list[list[int]], int]:
     """Return prices[i][k] of predicting k for sample i, last row the penalty; all times the denominator returned."""
     costs = [[Fraction(float(c)) for c in problem.cost_table[row]] for row in problem.cost_rows]
-    exact = [[Fraction(float(w)) * c for c in row] for w, row in zip(problem.weights, costs, strict=True)]
-    exact.append([Fraction(problem.leaf_penalty)])
+    exact = [[Fraction(float(w)) * c for c in row] for w, row in zip(problem.samples.weights, costs, strict=True)]
+    exact.append([Fraction(problem.shape.leaf_penalty)])
     denominator = math.lcm(*(c.denominator for row in exact for c in row))
     return [[int(c * denominator) for c in row] for row in exact], denominator
 
 
 def _cuts(problem: Problem, sensors: tuple[int, ...]) -> Iterator[Cut]:
-    for feature in range(problem.n_features):
-        if problem.sensor_index[feature] in sensors and problem.is_allowed((feature,)):
-            column = problem.features[:, feature]
+    for feature in range(problem.samples.n_features):
+        if problem.shape.sensor_index[feature] in sensors and problem.shape.is_allowed((feature,)):
+            column = problem.samples.features[:, feature]
             values = np.unique(column[~np.isnan(column)]).tolist()
             missing = sum(1 << int(i) for i in np.flatnonzero(np.isnan(column)))
             if missing:
@@ -86,7 +86,8 @@ def _cuts(problem: Problem, sensors: tuple[int, ...]) -> Iterator[Cut]:
 def _best_tree(
     problem: Problem, leaf: Callable[[int], tuple[int | Fraction, Leaf]], price: int | Fraction, cuts: list[Cut]
 ) -> Best:
-    exact, least = [Fraction(weight) for weight in problem.weights.tolist()], Fraction(problem.least_leaf_weight)
+    exact = [Fraction(weight) for weight in problem.samples.weights.tolist()]
+    least = Fraction(problem.shape.least_leaf_weight)
 
     def weight(samples: int) -> Fraction:
         return sum((one for i, one in enumerate(exact) if samples >> i & 1), Fraction(0)) if least else least
@@ -97,11 +98,11 @@ def _best_tree(
         found: Best = (cost, 0, node)
         for feature, threshold, missing, mask in cuts if depth else ():
             sides = samples & mask, samples & ~mask
-            if min(side.bit_count() for side in sides) >= problem.leaf_size and min(map(weight, sides)) >= least:
+            if min(side.bit_count() for side in sides) >= problem.shape.leaf_size and min(map(weight, sides)) >= least:
                 left, right = (best(side, depth - 1) for side in sides)
                 cost, n_splits = left[0] + right[0] + price, left[1] + right[1] + 1
                 if (cost, n_splits) < found[:2]:
                     found = (cost, n_splits, Split(feature, threshold, left[2], right[2], missing=missing))
         return found
 
-    return best((1 << problem.n_samples) - 1, problem.depth)
+    return best((1 << problem.samples.n_samples) - 1, problem.shape.depth)

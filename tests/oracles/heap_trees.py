@@ -36,13 +36,13 @@ class HeapTree:
 
 def heap_trees(problem: Problem) -> Iterator[HeapTree]:
     """Yield every tree of a problem whose sides hold `leaf_size` samples or more; a leaf has a class of least cost."""
-    n_values = [np.unique(column, return_inverse=True)[1] for column in problem.features.T]
-    depth, prices = int(problem.depth), problem.weights[:, None] * problem.cost_table[problem.cost_rows]
-    for splits, leaves in _below(problem, n_values, 1, frozenset(range(problem.n_samples)), depth):
+    n_values = [np.unique(column, return_inverse=True)[1] for column in problem.samples.features.T]
+    depth, prices = int(problem.shape.depth), problem.samples.weights[:, None] * problem.cost_table[problem.cost_rows]
+    for splits, leaves in _below(problem, n_values, 1, frozenset(range(problem.samples.n_samples)), depth):
         costs = [prices[sorted(rows)].sum(axis=0) for _, rows in leaves]
         for labels in product(*(np.flatnonzero(cost == cost.min()).tolist() for cost in costs)):
             placed = {t: (rows, label) for (t, rows), label in zip(leaves, labels, strict=True)}
-            cost = sum(cost.min() for cost in costs) + problem.leaf_penalty * len(splits)
+            cost = sum(cost.min() for cost in costs) + problem.shape.leaf_penalty * len(splits)
             yield HeapTree(dict(splits), placed, float(cost))
 
 
@@ -55,7 +55,7 @@ def _below(problem: Problem, ranks: list[np.ndarray], m: int, rows: frozenset[in
     for feature, of_row in enumerate(ranks) if depth else ():
         for n_left in sorted({int(of_row[i]) for i in rows})[1:]:
             left = frozenset(i for i in rows if of_row[i] < n_left)
-            if min(len(left), len(rows - left)) < problem.leaf_size:
+            if min(len(left), len(rows - left)) < problem.shape.leaf_size:
                 continue
             for one in _below(problem, ranks, 2 * m, left, depth - 1):
                 for other in _below(problem, ranks, 2 * m + 1, rows - left, depth - 1):
@@ -64,7 +64,7 @@ def _below(problem: Problem, ranks: list[np.ndarray], m: int, rows: frozenset[in
 
 def heap_tree(problem: Problem, tree: Node) -> HeapTree:
     """Return a tree as `heap_trees` has it."""
-    values = [np.unique(column) for column in problem.features.T]
+    values = [np.unique(column) for column in problem.samples.features.T]
     splits: dict[int, tuple[int, int]] = {}
     leaves: dict[int, tuple[frozenset[int], int]] = {}
 
@@ -73,11 +73,11 @@ def heap_tree(problem: Problem, tree: Node) -> HeapTree:
             leaves[(m + 1) * 2**depth - 1] = rows, node.label
             return
         assert isinstance(node, Split)
-        left = frozenset(i for i in rows if problem.features[i, node.feature] <= node.threshold)
-        above = [problem.features[i, node.feature] for i in rows - left]
+        left = frozenset(i for i in rows if problem.samples.features[i, node.feature] <= node.threshold)
+        above = [problem.samples.features[i, node.feature] for i in rows - left]
         splits[m] = node.feature, int(np.searchsorted(values[node.feature], min(above))) if above else -1
         lay(node.left, 2 * m, left, depth - 1)
         lay(node.right, 2 * m + 1, rows - left, depth - 1)
 
-    lay(tree, 1, frozenset(range(problem.n_samples)), int(problem.depth))
+    lay(tree, 1, frozenset(range(problem.samples.n_samples)), int(problem.shape.depth))
     return HeapTree(splits, leaves, problem.objective(tree))

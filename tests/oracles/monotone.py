@@ -17,14 +17,14 @@ Leaves = list[tuple[Box, float]]
 
 def least_monotone_cost(problem: Problem) -> float:
     """Return the least objective over all trees of a problem that keep its order."""
-    values = [np.unique(column) for column in problem.features.T]
-    ranks = np.array([np.searchsorted(v, c) for v, c in zip(values, problem.features.T, strict=True)])
+    values = [np.unique(column) for column in problem.samples.features.T]
+    ranks = np.array([np.searchsorted(v, c) for v, c in zip(values, problem.samples.features.T, strict=True)])
     everything: Box = tuple((0, len(v) - 1) for v in values)
-    most = 2**problem.depth - 1 if problem.max_splits is None else problem.max_splits
+    most = 2**problem.shape.depth - 1 if problem.shape.max_splits is None else problem.shape.max_splits
 
     def trees(rows: NDArray[np.int64], box: Box, depth: int, splits: int) -> Iterator[tuple[float, Leaves, int]]:
         """Yield cost, leaves and splits of every tree of these samples in this box."""
-        if len(rows) < problem.leaf_size:
+        if len(rows) < problem.shape.leaf_size:
             return
         yield from ((float(cost), [(box, float(label))], 0) for label, cost in enumerate(problem.class_costs(rows)))
         if not depth or not splits:
@@ -37,10 +37,12 @@ def least_monotone_cost(problem: Problem) -> float:
                 for cost, leaves, used in trees(rows[is_left], sides[0], depth - 1, splits - 1):
                     for other_cost, others, other_used in rights:
                         total = used + other_used + 1
-                        if total <= splits and in_order(leaves, others, problem.directions):
-                            yield cost + other_cost + problem.leaf_penalty, leaves + others, total
+                        if total <= splits and in_order(leaves, others, problem.shape.directions):
+                            yield cost + other_cost + problem.shape.leaf_penalty, leaves + others, total
 
-    return min(cost for cost, _, _ in trees(np.arange(problem.n_samples), everything, problem.depth, most))
+    return min(
+        cost for cost, _, _ in trees(np.arange(problem.samples.n_samples), everything, problem.shape.depth, most)
+    )
 
 
 def in_order(leaves: Leaves, others: Leaves, directions: tuple[int, ...]) -> bool:

@@ -25,12 +25,13 @@ class PageModel:
         for option in ("mip_rel_gap", "mip_abs_gap"):
             self.h.setOptionValue(option, 0.0)
         self.C = problem.costs
-        self.w, self.y, self.N_min = problem.weights, problem.codes, problem.leaf_size
-        self.I, self.J, self.K = (range(n) for n in (problem.n_samples, problem.n_features, problem.n_classes))
-        self.T_B = range(1, 2**problem.depth)
-        self.T_L = range(2**problem.depth, 2 ** (problem.depth + 1))
+        self.w, self.y, self.N_min = problem.samples.weights, problem.samples.codes, problem.shape.leaf_size
+        samples = problem.samples
+        self.I, self.J, self.K = map(range, (samples.n_samples, samples.n_features, samples.n_classes))
+        self.T_B = range(1, 2**problem.shape.depth)
+        self.T_L = range(2**problem.shape.depth, 2 ** (problem.shape.depth + 1))
         self.L_hat = min(sum(self.w[i] * self.C[self.y[i], k] for i in self.I) for k in self.K)
-        self.alpha = problem.leaf_penalty / self.L_hat
+        self.alpha = problem.shape.leaf_penalty / self.L_hat
         self.W = sum(self.w[i] * self.C[self.y[i]].max() for i in self.I)
         self.d = {m: self.h.addVariable(**BINARY) for m in self.T_B}
         self.z = {(i, t): self.h.addVariable(**BINARY) for i in self.I for t in self.T_L}
@@ -71,7 +72,7 @@ class PageModel:
 def oct_optimum(problem: Problem) -> float:
     """Return the optimum of OCT as the page states it, in the problem's units."""
     M = PageModel(problem)
-    h, rank = M.h, [np.unique(column, return_inverse=True)[1] for column in problem.features.T]
+    h, rank = M.h, [np.unique(column, return_inverse=True)[1] for column in problem.samples.features.T]
     x = np.column_stack([r / max(r.max(), 1) for r in rank])
     eps = np.array([1 / r.max() if r.max() else 1.0 for r in rank])
     a = {(j, m): h.addVariable(lb=0, ub=int(rank[j].max() > 0), type=BINARY["type"]) for j in M.J for m in M.T_B}
@@ -93,7 +94,7 @@ def oct_optimum(problem: Problem) -> float:
 def oct_h_optimum(problem: Problem, mu: float) -> float:
     """Return the optimum of OCT-H as the page states it, in the problem's units."""
     M = PageModel(problem)
-    h, x = M.h, _to_one(problem.features)
+    h, x = M.h, _to_one(problem.samples.features)
     pairs = [(j, m) for j in M.J for m in M.T_B]
     a = {key: h.addVariable(lb=-1, ub=1) for key in pairs}
     a_hat = {key: h.addVariable(lb=0) for key in pairs}

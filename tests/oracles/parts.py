@@ -19,11 +19,11 @@ Costs = dict[tuple[int, int], Fraction]
 
 def least_cost_with_parts(problem: Problem) -> Fraction | None:
     """Return the least objective over all trees that have the parts and keep the rules; None where there is none."""
-    asked = {part.path: part for part in problem.given_splits}
-    rules = problem.rules_of_paths
-    costs = _costs(problem, asked, rules, np.arange(problem.n_samples), "", (), problem.old_tree)
-    most = np.inf if problem.max_splits is None else problem.max_splits
-    limit = np.inf if problem.max_changes is None else problem.max_changes
+    asked = {part.path: part for part in problem.shape.fixed_splits or ()}
+    rules = problem.shape.path_rules or ()
+    costs = _costs(problem, asked, rules, np.arange(problem.samples.n_samples), "", (), problem.shape.old_tree)
+    most = np.inf if problem.shape.max_splits is None else problem.shape.max_splits
+    limit = np.inf if problem.shape.max_changes is None else problem.shape.max_changes
     return min((cost for (splits, changes), cost in costs.items() if splits <= most and changes <= limit), default=None)
 
 
@@ -37,22 +37,22 @@ def _costs(
     old: Node | None,
 ) -> Costs:
     found: Costs = {}
-    if len(rows) < problem.leaf_size:
+    if len(rows) < problem.shape.leaf_size:
         return found
     here = asked.get(path)
     is_split_below = any(part.features and one.startswith(path) for one, part in asked.items())
     if not is_split_below:
         leaf = min(Fraction(float(cost)) for cost in problem.class_costs(rows))
         found[0, _n_splits(old)] = leaf
-    if len(path) == problem.depth or (here is not None and not here.features):
+    if len(path) == problem.shape.depth or (here is not None and not here.features):
         return found
-    for feature in range(problem.n_features):
+    for feature in range(problem.samples.n_features):
         if not all(_may_follow(rule, feature, above) for rule in rules):
             continue
         for threshold, side_of_missing in _cuts(problem, feature):
             if here is not None and (feature not in here.features or here.threshold not in (None, threshold)):
                 continue
-            values = problem.features[rows, feature]
+            values = problem.samples.features[rows, feature]
             # Without a threshold the question is whether there is a reading.
             is_left = values <= threshold if threshold is not None else np.full(len(rows), side_of_missing == "right")
             is_left = np.where(np.isnan(values), side_of_missing == "left", is_left)
@@ -69,7 +69,7 @@ def _costs(
             for (splits, changes), cost in sides[0].items():
                 for (more, others), other in sides[1].items():
                     key = splits + more + 1, changes + others + (not is_old)
-                    total = cost + other + Fraction(problem.leaf_penalty)
+                    total = cost + other + Fraction(problem.shape.leaf_penalty)
                     found[key] = min(total, found.get(key, total))
     return found
 
@@ -85,19 +85,21 @@ def _may_follow(rule: tuple[str, tuple[int, ...]], feature: int, above: tuple[in
 
 def _cuts(problem: Problem, feature: int) -> list[tuple[float | None, str | None]]:
     """Return the thresholds of a feature with every side that missing readings may take."""
-    if not problem.takes_missing:
+    if not problem.samples.takes_missing:
         return [(threshold, None) for threshold in _thresholds(problem, feature)]
     return [(threshold, side) for threshold in (*_thresholds(problem, feature), None) for side in ("left", "right")]
 
 
 def _thresholds(problem: Problem, feature: int) -> list[float]:
-    values = np.unique(problem.features[:, feature])
+    values = np.unique(problem.samples.features[:, feature])
     values = values[~np.isnan(values)]
     found = set(((values[:-1] + values[1:]) / 2).tolist())
     found |= {
-        part.threshold for part in problem.given_splits if feature in part.features and part.threshold is not None
+        part.threshold
+        for part in problem.shape.fixed_splits or ()
+        if feature in part.features and part.threshold is not None
     }
-    return sorted(found | _old_thresholds(problem.old_tree, feature))
+    return sorted(found | _old_thresholds(problem.shape.old_tree, feature))
 
 
 def _old_thresholds(old: Node | None, feature: int) -> set[float]:

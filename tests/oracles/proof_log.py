@@ -17,7 +17,7 @@ Rows = tuple[int, ...]
 def proof_log(problem: Problem, claim: int | None = None, *, keep: float = 1.0, seed: int = 0) -> str:
     """Return a log; claim None: the optimum. With keep < 1 cuts are left out, and the log may prove too little."""
     writer = _Writer(problem, keep, np.random.default_rng(seed))
-    free = tuple(range(len(problem.sensors)))
+    free = tuple(range(len(problem.shape.sensors)))
     body, proven = writer.sensors(free, ())
     header = proof_header(problem, (0, 0), proven if claim is None else claim)
     return header + "\n".join([*body, "end", ""])
@@ -30,15 +30,16 @@ class _Writer:
 
     def sensors(self, free: tuple[int, ...], taken: tuple[int, ...]) -> tuple[list[str], int]:
         """Decide sensor by sensor down to sets that can be paid for in full."""
-        cost, limit = self.problem.sensor_costs, self.problem.sensor_limit
+        cost, limit = self.problem.shape.sensor_costs, self.problem.shape.sensor_limit
         free = tuple(s for s in free if cost[list(taken)].sum() + cost[s] <= limit)
         if cost[list(taken + free)].sum() > limit:
             without, one = self.sensors(free[1:], taken)
             with_it, other = self.sensors(free[1:], (*taken, free[0]))
             return [f"S {free[0]}", *without, *with_it], min(one, other)
-        index, allowed = self.problem.sensor_index, self.problem.is_allowed
+        index, allowed = self.problem.shape.sensor_index, self.problem.shape.is_allowed
         features = tuple(f for f in range(len(index)) if index[f] in taken + free and allowed((f,)))
-        rows, depth, leaf = tuple(range(self.problem.n_samples)), self.problem.depth, self.problem.leaf_size
+        rows, shape = tuple(range(self.problem.samples.n_samples)), self.problem.shape
+        depth, leaf = shape.depth, shape.leaf_size
         return list(self.node(rows, features, depth, leaf)), self.best(rows, features, depth, leaf)
 
     def node(self, rows: Rows, features: tuple[int, ...], depth: int, leaf: int) -> Iterator[str]:
@@ -56,7 +57,7 @@ class _Writer:
         yield "E"
 
     def cuts(self, rows: Rows, feature: int) -> list[tuple[Rows, Rows]]:
-        column = self.problem.features[:, feature]
+        column = self.problem.samples.features[:, feature]
         values = sorted({float(column[i]) for i in rows})[:-1]
         sides = ([tuple(i for i in rows if (column[i] <= v) == side) for side in (True, False)] for v in values)
         return [(left, right) for left, right in sides]
@@ -67,5 +68,5 @@ class _Writer:
             for left, right in self.cuts(rows, f):
                 if min(len(left), len(right)) >= leaf:
                     sides = [self.best(side, features, depth - 1, leaf) for side in (left, right)]
-                    found = min(found, sum(sides) + int(self.problem.leaf_penalty))
+                    found = min(found, sum(sides) + int(self.problem.shape.leaf_penalty))
         return found

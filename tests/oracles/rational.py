@@ -24,13 +24,13 @@ Partings = dict[int, set[tuple[int, frozenset[int]]]]  # left samples: (features
 
 def cost_of(problem: Problem, tree: Node) -> Fraction:
     """Return the objective of a tree; samples are routed in float64, as a tree at work routes them."""
-    predicted = predict(tree, problem.features).tolist()
-    weights, costs = problem.weights.tolist(), problem.cost_table.tolist()
+    predicted = predict(tree, problem.samples.features).tolist()
+    weights, costs = problem.samples.weights.tolist(), problem.cost_table.tolist()
     paid = (
         Fraction(w) * Fraction(costs[row][label])
         for w, row, label in zip(weights, problem.cost_rows.tolist(), predicted, strict=True)
     )
-    return sum(paid, Fraction(problem.leaf_penalty) * complexity(tree))
+    return sum(paid, Fraction(problem.shape.leaf_penalty) * complexity(tree))
 
 
 def least_cost(problem: Problem) -> Fraction:
@@ -39,10 +39,10 @@ def least_cost(problem: Problem) -> Fraction:
     Effort grows as cuts^depth of axis-aligned trees, as partings^depth of others, times sets of sensors.
     """
     prices, denominator = whole_prices(problem)
-    if problem.split == "axis":
+    if problem.shape.split == "axis":
         best = min(_best_along(problem, features, prices) for features in _affordable(problem))
     else:
-        parted = _partings(problem) if problem.integer_normals is None else _whole_partings(problem)
+        parted = _partings(problem) if problem.shape.integer_normals is None else _whole_partings(problem)
         best = min(_best_cost(problem, _cheapest(parted, features), prices) for features in _affordable(problem))
     return Fraction(best, denominator)
 
@@ -50,19 +50,19 @@ def least_cost(problem: Problem) -> Fraction:
 def _affordable(problem: Problem) -> Iterator[frozenset[int]]:
     """Yield the features of every set of sensors that can be paid for and is no part of a larger one."""
     larger: list[set[int]] = []
-    for size in range(len(problem.sensors), -1, -1):
-        for chosen in combinations(range(len(problem.sensors)), size):
+    for size in range(len(problem.shape.sensors), -1, -1):
+        for chosen in combinations(range(len(problem.shape.sensors)), size):
             is_new = not any(set(chosen) <= other for other in larger)
-            if is_new and math.fsum(problem.sensor_costs[list(chosen)]) <= problem.sensor_limit:
+            if is_new and math.fsum(problem.shape.sensor_costs[list(chosen)]) <= problem.shape.sensor_limit:
                 larger.append(set(chosen))
-                yield frozenset(f for f, s in enumerate(problem.sensor_index.tolist()) if s in chosen)
+                yield frozenset(f for f, s in enumerate(problem.shape.sensor_index.tolist()) if s in chosen)
 
 
 def _best_along(problem: Problem, features: frozenset[int], prices: list[list[int]]) -> int:
     """Return the least cost of axis-aligned trees over some features, in whole numbers of any size."""
     total = sum(max(row) for row in prices)
     table = np.array(prices[:-1], dtype=np.int64 if total < 2**62 else object)
-    penalty, size, columns = prices[-1][0], problem.leaf_size, _columns(problem, features)
+    penalty, size, columns = prices[-1][0], problem.shape.leaf_size, _columns(problem, features)
     known: dict[tuple[bytes, int, int], int] = {}
 
     def best(rows: NDArray[np.bool_], depth: int, n_splits: int) -> int:
@@ -93,17 +93,18 @@ def _best_along(problem: Problem, features: frozenset[int], prices: list[list[in
                     least = min(least, ways + penalty)
         return least
 
-    every = np.ones(problem.n_samples, dtype=np.bool_)
-    whole = 2**problem.depth - 1
-    return best(every, problem.depth, whole if problem.max_splits is None else min(problem.max_splits, whole))
+    every = np.ones(problem.samples.n_samples, dtype=np.bool_)
+    whole = 2**problem.shape.depth - 1
+    most = whole if problem.shape.max_splits is None else min(problem.shape.max_splits, whole)
+    return best(every, problem.shape.depth, most)
 
 
 def _columns(problem: Problem, features: frozenset[int]) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
     """Return each feature's order of the samples and their ranks; missing readings are above, or below, all others."""
     found: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
     for feature in sorted(features):
-        if problem.is_allowed((feature,)):
-            column: NDArray[Any] = problem.features[:, feature].astype(np.float64)
+        if problem.shape.is_allowed((feature,)):
+            column: NDArray[Any] = problem.samples.features[:, feature].astype(np.float64)
             is_missing = np.isnan(column)
             ranks = np.unique(np.where(is_missing, 0.0, column), return_inverse=True)[1].ravel() + 1
             for place in (len(column) + 1, 0) if is_missing.any() else (0,):
@@ -129,7 +130,7 @@ def _best_cost(problem: Problem, sizes: dict[int, int], prices: list[list[int]])
             return found
         for left, size in sides(samples).items():
             right = samples ^ left
-            if min(left.bit_count(), right.bit_count()) >= problem.leaf_size:
+            if min(left.bit_count(), right.bit_count()) >= problem.shape.leaf_size:
                 found = min(found, best(left, depth - 1) + best(right, depth - 1) + penalty * size)
         return found
 
@@ -142,7 +143,7 @@ def _best_cost(problem: Problem, sizes: dict[int, int], prices: list[list[int]])
                 parts[part] = min(size, parts.get(part, size))
         return parts
 
-    return best((1 << problem.n_samples) - 1, problem.depth)
+    return best((1 << problem.samples.n_samples) - 1, problem.shape.depth)
 
 
 def _partings(problem: Problem) -> Partings:
@@ -152,19 +153,19 @@ def _partings(problem: Problem) -> Partings:
     place on it, so the points on it come apart as a prefix and a suffix.
     """
     found: Partings = {}
-    columns = [[Fraction(value) for value in column] for column in problem.features.T.tolist()]
-    everything = (1 << problem.n_samples) - 1
+    columns = [[Fraction(value) for value in column] for column in problem.samples.features.T.tolist()]
+    everything = (1 << problem.samples.n_samples) - 1
 
     def add(left: int, features: tuple[int, ...]) -> None:
         for side in (left, everything ^ left):
             found.setdefault(side, set()).add((len(features), frozenset(features)))
 
-    for f in range(problem.n_features):
-        if problem.is_allowed((f,)):
+    for f in range(problem.samples.n_features):
+        if problem.shape.is_allowed((f,)):
             for value in set(columns[f]):
                 add(_mask(x <= value for x in columns[f]), (f,))
-    for f, g in combinations(range(problem.n_features), 2):
-        if problem.is_allowed((f, g)):
+    for f, g in combinations(range(problem.samples.n_features), 2):
+        if problem.shape.is_allowed((f, g)):
             points = list(zip(columns[f], columns[g], strict=True))
             for a, b in combinations(sorted(set(points)), 2):
                 normal = (b[1] - a[1], a[0] - b[0])
@@ -182,13 +183,13 @@ def _mask(bits: Iterable[bool]) -> int:
 
 def _whole_partings(problem: Problem) -> Partings:
     """Return the partings by lines whose normals are whole numbers within `integer_normals`."""
-    assert problem.integer_normals is not None
-    columns = [[Fraction(value) for value in column] for column in problem.features.T.tolist()]
-    entries = range(-problem.integer_normals, problem.integer_normals + 1)
+    assert problem.shape.integer_normals is not None
+    columns = [[Fraction(value) for value in column] for column in problem.samples.features.T.tolist()]
+    entries = range(-problem.shape.integer_normals, problem.shape.integer_normals + 1)
     found: Partings = {}
-    for normal in product(entries, repeat=problem.n_features):
+    for normal in product(entries, repeat=problem.samples.n_features):
         used = tuple(j for j, entry in enumerate(normal) if entry)
-        if used and problem.is_allowed(used):
+        if used and problem.shape.is_allowed(used):
             totals = [sum(c * x for c, x in zip(normal, row, strict=True)) for row in zip(*columns, strict=True)]
             for limit in set(totals):
                 left = sum(1 << i for i, total in enumerate(totals) if total <= limit)

@@ -35,15 +35,15 @@ class Runs:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        self.weights, weight_unit = _whole(problem.weights)
-        self.targets, target_unit = _whole(problem.targets)
+        self.weights, weight_unit = _whole(problem.samples.weights)
+        self.targets, target_unit = _whole(problem.samples.targets)
         self.slopes, slope_unit = (1, 1), Fraction(1)
         if problem.loss.name != "squared":
             up, down = slopes_of(problem)
             slope_unit = Fraction(1, math.lcm(up.denominator, down.denominator))
             self.slopes = int(up / slope_unit), int(down / slope_unit)
         self.unit = weight_unit * target_unit ** (2 if problem.loss.name == "squared" else 1) * slope_unit
-        self.penalty = Fraction(problem.leaf_penalty) / self.unit
+        self.penalty = Fraction(problem.shape.leaf_penalty) / self.unit
         self.found: dict[tuple[bytes, int], Fraction] = {}
 
     @cached_property
@@ -57,10 +57,10 @@ class Runs:
     def least(self) -> Fraction:
         """Return the least objective of a tree."""
         problem = self.problem
-        order = np.argsort(problem.features[:, 0], kind="stable")
-        if problem.n_features == 1:
+        order = np.argsort(problem.samples.features[:, 0], kind="stable")
+        if problem.samples.n_features == 1:
             return self._least_runs(order) * self.unit
-        return self._least(np.arange(problem.n_samples), problem.depth) * self.unit
+        return self._least(np.arange(problem.samples.n_samples), problem.shape.depth) * self.unit
 
     def prefixes(self, order: Rows) -> tuple[Numbers, Numbers]:
         """Return numerators and denominators of the errors of one constant for the first 1, 2, ... samples."""
@@ -74,11 +74,11 @@ class Runs:
 
     def _is_cut(self, order: Rows, feature: int) -> NDArray[np.bool_]:
         """(len(order) - 1,) whether a threshold parts the first 1, 2, ... samples from the others."""
-        column = self.problem.features[order, feature]
+        column = self.problem.samples.features[order, feature]
         return np.asarray(column[1:] > column[:-1])
 
     def _least_runs(self, order: Rows) -> Fraction:
-        n, size, price = len(order), self.problem.leaf_size, float(self.penalty)
+        n, size, price = len(order), self.problem.shape.leaf_size, float(self.penalty)
         ends = np.concatenate([[0], np.flatnonzero(self._is_cut(order, 0)) + 1, [n]])
         numerators, denominators = (np.full((len(ends), len(ends)), one, dtype=object) for one in (0, 1))
         costs = np.full((len(ends), len(ends)), np.inf)
@@ -90,7 +90,7 @@ class Runs:
             costs[i, i + 1 :] = np.where(is_wide, (above[places] / below[places]).astype(float), np.inf)
         best, paths = costs[0].copy(), [[0, j] for j in range(len(ends))]
         found = [(best[-1], paths[-1])]
-        for _ in range(1, min(2**self.problem.depth, len(ends) - 1)):
+        for _ in range(1, min(2**self.problem.shape.depth, len(ends) - 1)):
             sums = best[:, None] + costs
             chosen = sums.argmin(axis=0)
             best, paths = sums.min(axis=0) + price, [[*paths[i], j] for j, i in enumerate(chosen.tolist())]
@@ -106,9 +106,9 @@ class Runs:
         return self.found[key]
 
     def _least_below(self, rows: Rows, depth: int) -> Fraction:
-        best, size = self._least(rows, depth - 1), self.problem.leaf_size
-        for feature in range(self.problem.n_features):
-            order = rows[np.argsort(self.problem.features[rows, feature], kind="stable")]
+        best, size = self._least(rows, depth - 1), self.problem.shape.leaf_size
+        for feature in range(self.problem.samples.n_features):
+            order = rows[np.argsort(self.problem.samples.features[rows, feature], kind="stable")]
             for k in (np.flatnonzero(self._is_cut(order, feature)) + 1).tolist():
                 if size <= k <= len(rows) - size:
                     sides = (self._least(np.sort(part), depth - 1) for part in (order[:k], order[k:]))
@@ -117,9 +117,9 @@ class Runs:
 
     def _stump(self, rows: Rows) -> Fraction:
         above, below = self.prefixes(rows)
-        best, size = Fraction(int(above[-1]), int(below[-1])), self.problem.leaf_size
-        for feature in range(self.problem.n_features):
-            order = rows[np.argsort(self.problem.features[rows, feature], kind="stable")]
+        best, size = Fraction(int(above[-1]), int(below[-1])), self.problem.shape.leaf_size
+        for feature in range(self.problem.samples.n_features):
+            order = rows[np.argsort(self.problem.samples.features[rows, feature], kind="stable")]
             left, right = self.prefixes(order), self.prefixes(order[::-1])
             cuts = np.flatnonzero(self._is_cut(order, feature))
             cuts = cuts[(cuts + 1 >= size) & (len(rows) - cuts - 1 >= size)]

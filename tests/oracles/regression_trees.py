@@ -17,8 +17,8 @@ from tests.oracles.enumeration import least
 
 def least_objective(problem: Problem) -> Fraction:
     """Return the least objective of an axis-aligned tree with the best constant in each leaf."""
-    targets = [Fraction(y) for y in problem.targets.tolist()]
-    weights = [Fraction(w) for w in problem.weights.tolist()]
+    targets = [Fraction(y) for y in problem.samples.targets.tolist()]
+    weights = [Fraction(w) for w in problem.samples.weights.tolist()]
 
     @cache
     def leaf(samples: int) -> tuple[Fraction, Leaf]:
@@ -33,7 +33,7 @@ def least_objective(problem: Problem) -> Fraction:
         errors = (sum((max(up * m, -down * m) for m in of), Fraction(0)) for of in misses)
         return min(errors, default=Fraction(0)), Leaf(0)
 
-    return Fraction(least(problem, leaf, Fraction(problem.leaf_penalty))[0])
+    return Fraction(least(problem, leaf, Fraction(problem.shape.leaf_penalty))[0])
 
 
 def slopes_of(problem: Problem) -> tuple[Fraction, Fraction]:

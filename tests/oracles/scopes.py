@@ -85,22 +85,22 @@ def least_inside(problem: Problem, words: str, cuts: Cuts = ()) -> float:
 
 
 def _paid(problem: Problem, said: Said) -> Iterator[list[int]]:
-    for size in range(len(problem.sensors) + 1):
-        for chosen in combinations(range(len(problem.sensors)), size):
-            if math.fsum(problem.sensor_costs[list(chosen)]) <= said.budget:
-                yield [j for j, sensor in enumerate(problem.sensor_index.tolist()) if sensor in chosen]
+    for size in range(len(problem.shape.sensors) + 1):
+        for chosen in combinations(range(len(problem.shape.sensors)), size):
+            if math.fsum(problem.shape.sensor_costs[list(chosen)]) <= said.budget:
+                yield [j for j, sensor in enumerate(problem.shape.sensor_index.tolist()) if sensor in chosen]
 
 
 def _directions(problem: Problem, said: Said, features: list[int], cuts: Cuts) -> list[tuple[Floats, int]]:
     """Return the places (n_samples,) of the samples along each direction, and the features that it reads."""
     found: list[tuple[Floats, int]] = []
-    ranges = np.nanmax(problem.features, axis=0) - np.nanmin(problem.features, axis=0)
-    x = problem.features / np.where(ranges > 0, ranges, 1.0)
+    ranges = np.nanmax(problem.samples.features, axis=0) - np.nanmin(problem.samples.features, axis=0)
+    x = problem.samples.features / np.where(ranges > 0, ranges, 1.0)
     for j in features:
         column = x[:, j]
         if said.quantiles:
             assert len(cuts[j]) <= said.quantiles
-            column = np.where(np.isnan(column), np.nan, np.searchsorted(cuts[j], problem.features[:, j]))
+            column = np.where(np.isnan(column), np.nan, np.searchsorted(cuts[j], problem.samples.features[:, j]))
         sides = (np.inf, -np.inf) if np.isnan(column).any() else (0.0,)
         found += [(np.where(np.isnan(column), side, column), 1) for side in sides]
     for pair in combinations(features, 2) if said.split_size > 1 else ():
@@ -114,10 +114,10 @@ def _directions(problem: Problem, said: Said, features: list[int], cuts: Cuts) -
 
 
 def _least(problem: Problem, said: Said, directions: list[tuple[Floats, int]]) -> float:
-    price, everything = problem.leaf_penalty, (1 << problem.n_samples) - 1
+    price, everything = problem.shape.leaf_penalty, (1 << problem.samples.n_samples) - 1
     least_gap = said.band * (1 + 1e-6) if said.band else 1e-9 if said.split_size > 1 else 0.0
     orders = [(np.argsort(at, kind="stable").tolist(), at.tolist(), reads) for at, reads in directions]
-    cost = cache(lambda samples: _leaf(problem, [i for i in range(problem.n_samples) if samples >> i & 1]))
+    cost = cache(lambda samples: _leaf(problem, [i for i in range(problem.samples.n_samples) if samples >> i & 1]))
 
     @cache
     def sides(samples: int) -> dict[int, int]:
@@ -152,11 +152,11 @@ def _least(problem: Problem, said: Said, directions: list[tuple[Floats, int]]) -
 
 def _leaf(problem: Problem, rows: list[int]) -> float:
     """Return the least cost of one leaf."""
-    weights: Any = problem.weights[rows]
+    weights: Any = problem.samples.weights[rows]
     if isinstance(problem.loss, ClassCosts):
         paid = weights[:, None] * problem.cost_table[problem.cost_rows[rows]]
         return min(math.fsum(column) for column in paid.T.tolist())
-    targets = problem.targets[rows].astype(float)
+    targets = problem.samples.targets[rows].astype(float)
     total = math.fsum(weights)
     mean = math.fsum(weights * targets) / total if total else 0.0
     return math.fsum(weights * (targets - mean) ** 2)

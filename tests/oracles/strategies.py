@@ -4,8 +4,6 @@ Ties, duplicate samples, constant features, weights of zero, integer and real we
 penalties, sensors that several features share, budgets, forbidden features, two to six classes.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -43,10 +41,10 @@ def random_problem(rng: Generator, *, max_samples: int = 10, max_features: int =
 def with_missing(rng: Generator, problem: Problem) -> Problem:
     """Return a problem with some, many, nearly all or no readings missing, and at times all of one feature."""
     share = rng.choice([0.0, 0.1, 0.3, 0.6, 0.9])
-    features = np.where(rng.random(problem.features.shape) < share, np.nan, problem.features)
+    features = np.where(rng.random(problem.samples.features.shape) < share, np.nan, problem.samples.features)
     if rng.random() < 0.15:
-        features[:, rng.integers(problem.n_features)] = np.nan
-    return replace(problem, features=features, takes_missing=bool(rng.random() < 0.5) or bool(np.isnan(features).any()))
+        features[:, rng.integers(problem.samples.n_features)] = np.nan
+    return problem.replace(features=features, takes_missing=bool(rng.random() < 0.5) or bool(np.isnan(features).any()))
 
 
 def hyperplane_problem(rng: Generator, **sizes: int) -> Problem:
@@ -56,24 +54,24 @@ def hyperplane_problem(rng: Generator, **sizes: int) -> Problem:
     largest = int(rng.integers(1, 8)) if rng.random() < 0.3 else None
     allowed: list[list[int]] | None = None
     if rng.random() < 0.3:
-        groups = [np.flatnonzero(rng.random(axis.n_features) < 0.6).tolist() for _ in range(2)]
+        groups = [np.flatnonzero(rng.random(axis.samples.n_features) < 0.6).tolist() for _ in range(2)]
         allowed = [group for group in groups if group] or [[0]]
     return Problem(
-        axis.features,
-        axis.targets,
-        depth=axis.depth,
+        axis.samples.features,
+        axis.samples.targets,
+        depth=axis.shape.depth,
         split="hyperplane",
         split_size=size,
-        leaf_size=axis.leaf_size,
-        leaf_penalty=axis.leaf_penalty,
-        weights=axis.weights,
+        leaf_size=axis.shape.leaf_size,
+        leaf_penalty=axis.shape.leaf_penalty,
+        weights=axis.samples.weights,
         loss=axis.loss,
-        sensor_of_feature=axis.sensor_of_feature,
-        sensor_cost=axis.sensor_costs.tolist(),
-        sensor_budget=axis.sensor_budget,
+        sensor_of_feature=axis.shape.sensor_of_feature,
+        sensor_cost=axis.shape.sensor_costs.tolist(),
+        sensor_budget=axis.shape.sensor_budget,
         allowed_splits=allowed,
         integer_normals=largest,
-        class_names=axis.class_names,
+        class_names=axis.samples.class_names,
     )
 
 

@@ -48,58 +48,56 @@ def drawn(draw, n):
 
 def test_sizes_beyond_every_constant_of_the_core_are_drawn():
     sized = drawn(sized_problem, 100)
-    assert max(problem.n_samples for problem in sized) > 512
-    assert max(problem.n_features for problem in sized) > 5
-    assert {problem.depth for problem in sized} == {1, 2, 3, 4, 5}
-    assert max(problem.n_classes for problem in sized) > 16
-    assert max(math.comb(problem.n_classes, 2**problem.depth) for problem in sized) > 64
+    assert max(problem.samples.n_samples for problem in sized) > 512
+    assert max(problem.samples.n_features for problem in sized) > 5
+    assert {problem.shape.depth for problem in sized} == {1, 2, 3, 4, 5}
+    assert max(problem.samples.n_classes for problem in sized) > 16
+    assert max(math.comb(problem.samples.n_classes, 2**problem.shape.depth) for problem in sized) > 64
     lines = drawn(sized_lines, 40)
-    assert max(problem.n_samples for problem in lines if problem.depth == 1) > 48  # points of a dichotomy
-    assert max(problem.n_samples for problem in lines if problem.depth == 2) > 16  # intervals bounded together
-    assert max(math.comb(problem.n_samples, 2) for problem in lines) > 512  # crossings, bins of slopes
+    assert max(problem.samples.n_samples for problem in lines if problem.shape.depth == 1) > 48  # points of a dichotomy
+    assert max(q.samples.n_samples for q in lines if q.shape.depth == 2) > 16  # intervals bounded together
+    assert max(math.comb(problem.samples.n_samples, 2) for problem in lines) > 512  # crossings, bins of slopes
     numbers = drawn(KINDS["many_numbers"].draw, 200)
     for loss in ("squared", "absolute", "quantile"):  # bins, buckets, parts of a feature
-        assert max(len(np.unique(problem.targets)) for problem in numbers if problem.loss.name == loss) > 64
-        assert max(len(np.unique(problem.features)) for problem in numbers if problem.loss.name == loss) > 256
+        assert max(len(np.unique(problem.samples.targets)) for problem in numbers if problem.loss.name == loss) > 64
+        assert max(len(np.unique(problem.samples.features)) for problem in numbers if problem.loss.name == loss) > 256
     near = drawn(KINDS["near"].draw, 60)
-    assert max(entry.problem.n_samples for entry in near) > 64
+    assert max(entry.problem.samples.n_samples for entry in near) > 64
 
 
 def test_every_option_of_a_problem_is_drawn():
     missing, few = drawn(KINDS["missing"].draw, 60), drawn(KINDS["few_splits"].draw, 60)
-    assert any(problem.n_missing and problem.sensor_budget is not None for problem in missing)
-    assert {problem.max_splits for problem in few} == {0, 1, 2, 3}
+    assert any(problem.samples.n_missing and problem.shape.sensor_budget is not None for problem in missing)
+    assert {problem.shape.max_splits for problem in few} == {0, 1, 2, 3}
     numbers, far = drawn(KINDS["numbers"].draw, 60), drawn(KINDS["far_numbers"].draw, 60)
-    assert any(problem.sensor_budget is not None for problem in numbers)
-    assert any(problem.leaf_size > 1 and problem.leaf_penalty for problem in numbers)
-    assert any(np.ptp(problem.targets) > 1e9 for problem in far)
+    assert any(problem.shape.sensor_budget is not None for problem in numbers)
+    assert any(problem.shape.leaf_size > 1 and problem.shape.leaf_penalty for problem in numbers)
+    assert any(np.ptp(problem.samples.targets) > 1e9 for problem in far)
 
 
 def test_random_problems_hold_every_complication():
     problems = [random_problem(np.random.default_rng(seed)) for seed in range(300)]
-    assert {problem.n_classes for problem in problems} == {2, 3, 4, 5, 6}
-    assert {problem.depth for problem in problems} == {1, 2, 3}
+    assert {problem.samples.n_classes for problem in problems} == {2, 3, 4, 5, 6}
+    assert {problem.shape.depth for problem in problems} == {1, 2, 3}
     for complication in (
-        lambda q: q.leaf_size > 1,
-        lambda q: q.leaf_penalty > 0,
-        lambda q: q.sensor_budget is not None,
-        lambda q: len(q.sensors) < q.n_features,
-        lambda q: q.allowed_splits is not None,
-        lambda q: q.has_integer_costs and q.weights.max() > 1,
+        lambda q: q.shape.leaf_size > 1,
+        lambda q: q.shape.leaf_penalty > 0,
+        lambda q: q.shape.sensor_budget is not None,
+        lambda q: len(q.shape.sensors) < q.samples.n_features,
+        lambda q: q.shape.allowed_splits is not None,
+        lambda q: q.has_integer_costs and q.samples.weights.max() > 1,
         lambda q: not q.has_integer_costs,
         lambda q: q.costs.diagonal().any(),
-        lambda q: not q.weights.all(),
-        lambda q: any(len(np.unique(column)) == 1 for column in q.features.T),
-        lambda q: len(np.unique(q.features, axis=0)) < q.n_samples,
+        lambda q: not q.samples.weights.all(),
+        lambda q: any(len(np.unique(column)) == 1 for column in q.samples.features.T),
+        lambda q: len(np.unique(q.samples.features, axis=0)) < q.samples.n_samples,
     ):
         assert sum(map(complication, problems)) >= 10
 
 
 def test_more_splits_than_were_asked_for_are_found():
     asked = (question for seed in range(FIRST, FIRST + 900) for question in questions(seed, ("few_splits",)))
-    free_of = (
-        (p, t, solve(dataclasses.replace(p, max_splits=None), "exact")) for _, p, t in asked if p.max_splits == 1
-    )
+    free_of = ((p, t, solve(p.replace(max_splits=None), "exact")) for _, p, t in asked if p.shape.max_splits == 1)
     problem, truth, free = next(answer for answer in free_of if n_splits(answer[2].tree) > 1)
     said = KINDS["few_splits"].complaint(few(problem, n_splits(free.tree) - 1), free, truth, "")
     assert "but max_splits is" in said
@@ -107,7 +105,7 @@ def test_more_splits_than_were_asked_for_are_found():
 
 def few(problem, most):
     """Return a problem whose trees have at most so many splits."""
-    return dataclasses.replace(problem, max_splits=most)
+    return problem.replace(max_splits=most)
 
 
 def test_every_kind_of_wrong_answer_is_found():

@@ -34,7 +34,7 @@ def test_a_family_names_its_cases_or_yields_results(name):
     assert all(isinstance(case, Case) for case in cases)
     assert len({(case.size, case.seed) for case in cases}) == len(cases)
     assert {solver for case in cases for solver in case.solvers} <= set(RIVALS)
-    assert cases[0].build().n_samples > 1
+    assert cases[0].build().samples.n_samples > 1
 
 
 def test_an_unknown_family_is_refused_with_the_known_ones():

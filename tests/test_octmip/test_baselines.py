@@ -1,7 +1,6 @@
 """The models beside a tree: which a problem has, what they predict, and how the command shows them."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ IRIS = Problem(X, Y, depth=1)
 
 
 def test_every_baseline_of_classes_predicts_indices_of_classes():
-    named = replace(IRIS, targets=np.array(["a", "b", "c"])[Y], class_names=None, class_order=None)
+    named = IRIS.replace(targets=np.array(["a", "b", "c"])[Y], class_names=None, class_order=None)
     found = baselines_of(named)
     assert set(found) == {"linear", "discriminant", "pruned CART", "forest", "boosting"}
     for name, train in found.items():
@@ -29,7 +28,7 @@ def test_a_line_is_rounded_to_the_nearest_class():
     x = np.linspace(-0.4, 2.4, 57)
     x = x[np.abs(x % 1 - 0.5) > 0.01][:, None]
     problem = Problem(x, values[np.clip(np.round(x[:, 0]), 0, 2).astype(int)], depth=1)
-    slope, offset = np.polyfit(x[:, 0], np.array(problem.class_names)[problem.codes], 1)
+    slope, offset = np.polyfit(x[:, 0], np.array(problem.samples.class_names)[problem.samples.codes], 1)
     nearest = np.abs((slope * x + offset) - values).argmin(axis=1)
     assert (baselines_of(problem)["rounded"](0)(x) == nearest).all()
 
@@ -39,7 +38,7 @@ def test_numbers_have_no_classes_and_weights_leave_out_what_takes_none():
     assert set(baselines_of(numbers)) == {"linear", "pruned CART", "forest", "boosting"}
     for name, train in baselines_of(numbers).items():
         assert score_of(numbers, train(0)).measures["rmse"] < 0.25, name
-    assert "discriminant" not in baselines_of(replace(IRIS, weights=1 + Y))
+    assert "discriminant" not in baselines_of(IRIS.replace(weights=1 + Y))
 
 
 @pytest.mark.parametrize(("offset", "unit"), [(1e9, 1.0), (-1e-3, 1e-12)])

@@ -1,7 +1,6 @@
 """CART as a Solution: scikit-learn's tree, judged by the objective of the Problem."""
 
 import math
-from dataclasses import replace
 from itertools import count
 
 import numpy as np
@@ -90,7 +89,7 @@ def test_samples_of_weight_zero_are_routed_and_have_no_say_in_labels():
     solution: Solution = greedy_tree(problem)
     assert solution.tree is not None
     assert solution.objective == 0
-    assert np.bincount(leaf_index(solution.tree, problem.features)).tolist() == [2, 2]
+    assert np.bincount(leaf_index(solution.tree, problem.samples.features)).tolist() == [2, 2]
 
 
 def test_more_classes_than_scikit_learn_believes_in_raise_no_warning():
@@ -110,12 +109,12 @@ def test_of_numbers_it_is_scikit_learns_regressor_pruned_where_splits_do_not_pay
     grown = DecisionTreeRegressor(max_depth=3, min_samples_leaf=4, random_state=0, criterion=f"{loss.name}_error")
     theirs = grown.fit(features, targets).predict(features)
     assert found.objective == pytest.approx(loss.of_misses(targets - theirs).sum(), rel=1e-6)
-    assert greedy_tree(replace(problem, leaf_penalty=1e6)).tree == problem.best_leaf()
+    assert greedy_tree(problem.replace(leaf_penalty=1e6)).tree == problem.best_leaf()
     assert solve(problem, "exact").objective <= found.objective
 
 
 def test_a_limit_of_nodes_is_the_most_splits_and_changes_no_smaller_tree():
-    problem = replace(random_problem(4), depth=30)
+    problem = random_problem(4).replace(depth=30)
     whole = greedy_tree(problem)
     size = n_splits(whole.tree)
     assert greedy_tree(problem, limits=Limits(nodes=60)).tree == whole.tree  # 60 samples part in 59 splits at most

@@ -25,7 +25,7 @@ STUMP = dataclasses.replace(SOLUTION, tree=Split(0, 1.5, Leaf(0), Leaf(1)), obje
 def problem_with(**changes):
     settings = {"depth": 2, "feature_names": ("g", "h")} | changes
     features = settings.pop("features", FEATURES)
-    labels = settings.pop("targets", PROBLEM.targets)
+    labels = settings.pop("targets", PROBLEM.samples.targets)
     return Problem(features, labels, **settings)
 
 
@@ -137,21 +137,22 @@ def test_coefficients_that_are_no_integers_fail_where_integers_are_wanted():
 
 @given(problems(max_samples=12), st.integers(0, 2**32 - 1))
 def test_the_objective_is_the_sum_over_the_samples_one_by_one(problem, seed):
-    tree = random_tree(np.random.default_rng(seed), problem.n_features, problem.n_classes, problem.depth)
+    samples, shape = problem.samples, problem.shape
+    tree = random_tree(np.random.default_rng(seed), samples.n_features, samples.n_classes, shape.depth)
     total = 0.0
-    for x, code, weight in zip(problem.features, problem.codes, problem.weights, strict=True):
+    for x, code, weight in zip(problem.samples.features, problem.samples.codes, problem.samples.weights, strict=True):
         node = tree
         while isinstance(node, Split):
             node = node.left if x[node.feature] <= node.threshold else node.right
             total += 0.0
         total += weight * problem.costs[code, node.label]
     objective = problem.objective(tree)
-    paid = total + problem.leaf_penalty * repr(tree).count("Split(")
+    paid = total + problem.shape.leaf_penalty * repr(tree).count("Split(")
     assert objective == pytest.approx(paid, rel=1e-12)
     claim = Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "search", "1", 0)
-    smallest = np.bincount(leaf_index(tree, problem.features), minlength=len(leaves(tree))).min()
-    is_allowed = first_forbidden_split(problem, tree) is None and problem.sensor_cost_of(tree) <= problem.sensor_limit
-    if is_allowed and smallest >= problem.leaf_size:
+    smallest = np.bincount(leaf_index(tree, problem.samples.features), minlength=len(leaves(tree))).min()
+    is_allowed = first_forbidden_split(problem, tree) is None and shape.sensor_cost_of(tree) <= shape.sensor_limit
+    if is_allowed and smallest >= problem.shape.leaf_size:
         assert certify(problem, claim).objective == objective
     else:
         with pytest.raises(CertificateError, match=r"leaf|not allowed|budget"):

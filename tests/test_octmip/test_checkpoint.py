@@ -78,7 +78,7 @@ def test_a_proof_in_pieces_ends_where_one_proof_does(problem, n_jobs, tmp_path):
     assert "resumed_from" not in pieces[0].details
     spent = last.details["resumed_from"]
     assert spent["nodes"] == sum(piece.n_nodes for piece in pieces[:-1])
-    if problem.split == "hyperplane":
+    if problem.shape.split == "hyperplane":
         assert spent["nodes"] + last.n_nodes == whole.n_nodes
 
 
@@ -221,7 +221,7 @@ def test_every_damage_is_found(tmp_path):
 def test_the_checkpoint_of_another_question_is_refused_by_name(change, run, complaint, tmp_path):
     options = Options(checkpoint=cut_off(hard(), tmp_path / "kept").checkpoint)
     with pytest.raises(DataError, match=f"belongs to another search: it has {complaint}"):
-        solve(replace(hard(), **change), **{"method": "exact"} | run, options=options)
+        solve(hard().replace(**change), **{"method": "exact"} | run, options=options)
 
 
 def test_options_and_kinds_of_lines_are_other_questions(tmp_path):

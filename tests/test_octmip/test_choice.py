@@ -1,7 +1,6 @@
 """Cross-validation: folds are fair, the curve is what direct fits would give, and every backend gives the same."""
 
 import math
-from dataclasses import replace
 from itertools import pairwise
 
 import joblib
@@ -43,7 +42,7 @@ def test_folds_are_of_equal_size_and_hold_equal_shares_of_each_class(n_folds):
     assert sorted(held) == list(range(150))
     assert not any(np.intersect1d(*fold).size for fold in folds)
     sizes = [len(rows) for _, rows in folds]
-    shares = np.array([np.bincount(IRIS.codes[rows], minlength=3) for _, rows in folds])
+    shares = np.array([np.bincount(IRIS.samples.codes[rows], minlength=3) for _, rows in folds])
     assert max(sizes) - min(sizes) <= 1
     assert (np.ptp(shares, axis=0) <= 1).all()
 
@@ -53,7 +52,7 @@ def test_a_step_costs_what_the_trees_of_its_alpha_cost_on_the_folds_that_they_ha
     choice = choose_tree(problem, folds=3, method="exact", seed=2)
     folds = stratified_folds(problem, 3, seed=2)
     paths = [
-        [trace_path(replace(part_of(problem, train, "rows"), depth=d), method="exact", seed=2) for d in (1, 2)]
+        [trace_path(part_of(problem, train, "rows").replace(depth=d), method="exact", seed=2) for d in (1, 2)]
         for train, _ in folds
     ]
     for step in choice.steps:
@@ -63,11 +62,11 @@ def test_a_step_costs_what_the_trees_of_its_alpha_cost_on_the_folds_that_they_ha
             for (_, held), of_fold in zip(folds, paths, strict=True):
                 path = of_fold[step.depth - 1]
                 penalty = (step.alpha_low + share * (high - step.alpha_low)) * path.problem.baseline
-                told = predict(path.best_at(penalty).tree, problem.features[held])
-                total += (problem.weights[held] * problem.costs[problem.codes[held], told]).sum()
-            assert step.validation_cost == pytest.approx(total / problem.weights.sum())
+                told = predict(path.best_at(penalty).tree, problem.samples.features[held])
+                total += (problem.samples.weights[held] * problem.costs[problem.samples.codes[held], told]).sum()
+            assert step.validation_cost == pytest.approx(total / problem.samples.weights.sum())
         of_all = choice.paths[step.depth - 1].best_at(step.alpha * problem.baseline).tree
-        assert step.training_cost == pytest.approx(problem.objective(of_all) / problem.weights.sum())
+        assert step.training_cost == pytest.approx(problem.objective(of_all) / problem.samples.weights.sum())
         assert step.complexity == n_splits(of_all)
 
 
@@ -91,10 +90,10 @@ def test_the_tree_that_generalises_is_chosen_and_fitted_to_all_samples():
     assert choice.chosen.complexity == 1
     assert choice.tree.feature == 0
     assert abs(choice.tree.threshold - 0.5) < 0.1
-    assert choice.problem.n_samples == 60
+    assert choice.problem.samples.n_samples == 60
     assert choice.solution.is_optimal
-    assert choice.problem.depth == choice.chosen.depth
-    assert choice.problem.leaf_penalty == choice.chosen.alpha * choice.problem.baseline
+    assert choice.problem.shape.depth == choice.chosen.depth
+    assert choice.problem.shape.leaf_penalty == choice.chosen.alpha * choice.problem.baseline
     assert certify(choice.problem, choice.solution).objective == choice.solution.objective
     assert choice.chosen.validation_cost == min(step.validation_cost for step in choice.steps)
     assert f"n_steps={len(choice.steps)}, n_paths={len(choice.paths)})" in repr(choice)
@@ -158,11 +157,23 @@ def test_what_cannot_be_chosen_by_is_refused_with_a_sentence(options, sentence):
 
 
 def test_rows_that_weigh_nothing_judge_nothing():
-    weightless = replace(IRIS, weights=np.repeat([1.0, 0.0], [140, 10]))
+    weightless = IRIS.replace(weights=np.repeat([1.0, 0.0], [140, 10]))
     with pytest.raises(ProblemError, match="all have weight 0"):
         choose_tree(weightless, folds=[(range(140), range(140, 150))])
 
 
 def test_costs_that_are_all_zero_leave_nothing_to_choose_by():
     with pytest.raises(ProblemError, match="cost nothing in a single leaf"):
-        choose_tree(replace(IRIS, loss=ClassCosts(np.zeros((3, 3)))), folds=2)
+        choose_tree(IRIS.replace(loss=ClassCosts(np.zeros((3, 3)))), folds=2)
+
+
+@pytest.mark.parametrize("exponent", [600, -600])
+@pytest.mark.parametrize("scaled", ["costs", "weights"])
+def test_costs_or_weights_in_another_unit_choose_the_same_tree_where_their_squares_are_no_numbers(exponent, scaled):
+    unit = 2.0**exponent
+    changes = {"loss": ClassCosts(IRIS.costs * unit)} if scaled == "costs" else {"weights": np.full(150, unit)}
+    plain, other = choose_tree(IRIS, folds=3), choose_tree(IRIS.replace(**changes), folds=3)
+    assert other.solution.tree == plain.solution.tree
+    per_weight = unit if scaled == "costs" else 1.0
+    assert [s.standard_error / per_weight for s in other.steps] == [s.standard_error for s in plain.steps]
+    assert other.expectation.tree.high / per_weight == plain.expectation.tree.high

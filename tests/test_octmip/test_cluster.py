@@ -107,7 +107,7 @@ def test_a_worker_that_is_killed_costs_no_result(client: Client) -> None:
 
 def test_the_command_takes_the_address_of_a_scheduler(client: Client, tmp_path, capsys) -> None:
     problem = hard(40)
-    frame = pd.DataFrame(problem.features, columns=list("abcde")).assign(y=problem.codes)
+    frame = pd.DataFrame(problem.samples.features, columns=list("abcde")).assign(y=problem.samples.codes)
     frame.to_csv(tmp_path / "data.csv", index=False)
     words = [str(tmp_path / "data.csv"), "--label", "y", "--depth", "3", "--cluster", client.scheduler.address]
     assert main(["solve", *words]) == 0

@@ -37,7 +37,7 @@ def every_pruning(problem: Problem, tree: Node, rows: np.ndarray) -> list[tuple[
     leaf, cost = problem.leaf_and_cost(rows)
     found: list[tuple[int, float, Node]] = [(0, cost, leaf)]
     if not isinstance(tree, Leaf):
-        left = problem.features[rows, tree.feature] <= tree.threshold
+        left = problem.samples.features[rows, tree.feature] <= tree.threshold
         sides = (every_pruning(problem, side, rows[part]) for side, part in ((tree.left, left), (tree.right, ~left)))
         for (a, cost_a, left_tree), (b, cost_b, right_tree) in itertools.product(*sides):
             found.append((a + b + 1, cost_a + cost_b, replace(tree, left=left_tree, right=right_tree)))
@@ -46,10 +46,10 @@ def every_pruning(problem: Problem, tree: Node, rows: np.ndarray) -> list[tuple[
 
 @pytest.mark.parametrize("problem", [WEIGHED, NUMBERS], ids=["classes", "numbers"])
 def test_for_every_price_some_pruning_that_is_kept_is_as_good_as_any(problem):
-    problem = replace(problem, depth=4)
+    problem = problem.replace(depth=4)
     tree = greedy_tree(problem).tree
     kept = list(prunings(problem, tree))
-    every = every_pruning(problem, tree, np.arange(problem.n_samples))
+    every = every_pruning(problem, tree, np.arange(problem.samples.n_samples))
     for price in np.linspace(0.001, problem.baseline, 60):
         best = min(cost + price * size for size, cost, _ in every)
         assert min(problem.objective(t) + price * n_splits(t) for t in [tree, *kept]) == pytest.approx(best)
@@ -61,22 +61,22 @@ def test_cuts_are_at_quantiles_and_a_tree_over_intervals_is_the_same_over_readin
     readings = np.array([1.0, 1, 2, 5, 6, 9])[:, None]
     coarse = Coarse.of(Problem(readings, [0, 0, 0, 1, 1, 0], depth=2), 2)
     assert coarse.cuts[0].tolist() == [1.5, 5.5]
-    assert coarse.problem.features[:, 0].tolist() == [0, 0, 1, 1, 2, 2]
+    assert coarse.problem.samples.features[:, 0].tolist() == [0, 0, 1, 1, 2, 2]
     few = Coarse.of(IRIS, 4)
     assert max(map(len, few.cuts)) == 4
-    for tree in (greedy_tree(replace(few.problem, depth=4)).tree,):
+    for tree in (greedy_tree(few.problem.replace(depth=4)).tree,):
         over = few.over_readings(tree)
         assert IRIS.objective(over) == few.problem.objective(tree)
         assert few.problem.objective(few.over_intervals(over)) == IRIS.objective(over)
     all_values = Coarse.of(IRIS, 1000)
-    assert [len(cuts) + 1 for cuts in all_values.cuts] == [len(np.unique(column)) for column in IRIS.features.T]
+    assert [len(cuts) + 1 for cuts in all_values.cuts] == [len(np.unique(column)) for column in IRIS.samples.features.T]
 
 
 def test_missing_readings_stay_missing_over_intervals():
     features = np.array([[1.0], [2.0], [np.nan], [4.0]])
     coarse = Coarse.of(Problem(features, [0, 0, 1, 1], depth=1), 5)
-    assert np.isnan(coarse.problem.features[2, 0])
-    assert coarse.problem.features[[0, 1, 3], 0].tolist() == [0, 1, 2]
+    assert np.isnan(coarse.problem.samples.features[2, 0])
+    assert coarse.problem.samples.features[[0, 1, 3], 0].tolist() == [0, 1, 2]
 
 
 def answer_of(problem, **run):
@@ -123,7 +123,7 @@ def test_one_seed_gives_one_choice_on_one_thread_and_on_two(of_iris):
 
 
 def test_rows_repeated_and_rows_weighed_are_chosen_for_alike():
-    features, targets, weights = IRIS.features[::3, 1:], IRIS.targets[::3], RNG.integers(1, 3, 50)
+    features, targets, weights = IRIS.samples.features[::3, 1:], IRIS.samples.targets[::3], RNG.integers(1, 3, 50)
     weighed = answer_of(Problem(features, targets, depth=1, weights=weights))
     repeated = answer_of(Problem(np.repeat(features, weights, 0), np.repeat(targets, weights), depth=1))
     assert weighed.solution.tree == repeated.solution.tree
@@ -138,9 +138,9 @@ FEW, ANY = "searched, depth 8 or less, at most 10 cuts of a feature", "searched,
     ("problem", "words"),
     [
         (IRIS, [*CARTS, *(f"optimal, depth {d} or less, at most 5 cuts of a feature" for d in (1, 2, 3, 4)), FEW, ANY]),
-        (replace(IRIS, split="hyperplane"), [*CARTS, *(f"searched, depth {d} or less" for d in (1, 2, 3))]),
+        (IRIS.replace(split="hyperplane"), [*CARTS, *(f"searched, depth {d} or less" for d in (1, 2, 3))]),
         (
-            Problem(IRIS.features, IRIS.features[:, 0], depth=1, loss=SquaredError()),
+            Problem(IRIS.samples.features, IRIS.samples.features[:, 0], depth=1, loss=SquaredError()),
             [CARTS[0], *(f"optimal, depth {d} or less, at most 10 cuts of a feature" for d in (1, 2, 3, 4))],
         ),
     ],
@@ -162,8 +162,8 @@ def test_rows_for_which_there_is_no_time_are_drawn_from_and_the_leaves_are_fitte
     problem = Problem(features, (features.sum(axis=1) + rng.normal(size=30_000) > 8).astype(int), depth=1)
     found = solve_default(problem, Run("auto", Limits(seconds=0.0), 0))
     certify(found.problem, found.solution)
-    assert found.problem.n_samples == 30_000
-    assert found.solution.details["choice"]["n_rows"] == found.choice.problem.n_samples == FEWEST_ROWS
+    assert found.problem.samples.n_samples == 30_000
+    assert found.solution.details["choice"]["n_rows"] == found.choice.problem.samples.n_samples == FEWEST_ROWS
     assert found.solution.tree == found.problem.with_best_leaves(found.solution.tree)
     assert found.solution.bound == -math.inf
     said = choice_text(found.problem, found.solution)
@@ -226,16 +226,16 @@ def test_ctrl_c_after_two_folds_leaves_the_choice_by_these_folds(monkeypatch):
 def test_a_sample_is_as_many_rows_as_its_weight_holds_units_of_its_class():
     features, targets = [[0.0], [1], [1], [2], [3]], ["b", "a", "a", "b", "a"]
     rows = counted(Problem(features, targets, depth=1, weights=[5, 2, 1, 5, 1]))
-    assert rows.features[:, 0].tolist() == [0, 1, 1, 1, 2, 3]
-    assert rows.weights.tolist() == [5, 1, 1, 1, 5, 1]
-    assert counted(replace(rows, weights=[5, 2, 2, 2, 7.5, 2])).weights.tolist() == [2.5] * 2 + [2] * 3 + [2.5] * 3 + [
-        2
-    ]
-    irregular = counted(replace(rows, weights=[5, 1, 1, 1, 5 * math.pi, 1]))
-    assert irregular.weights.tolist() == [5, 1, 1, 1, 5 * math.pi, 1]
-    assert counted(Problem(features, targets, depth=1, leaf_size=2)).n_samples == 5
+    assert rows.samples.features[:, 0].tolist() == [0, 1, 1, 1, 2, 3]
+    assert rows.samples.weights.tolist() == [5, 1, 1, 1, 5, 1]
+    assert counted(rows.replace(weights=[5, 2, 2, 2, 7.5, 2])).samples.weights.tolist() == [2.5] * 2 + [2] * 3 + [
+        2.5
+    ] * 3 + [2]
+    irregular = counted(rows.replace(weights=[5, 1, 1, 1, 5 * math.pi, 1]))
+    assert irregular.samples.weights.tolist() == [5, 1, 1, 1, 5 * math.pi, 1]
+    assert counted(Problem(features, targets, depth=1, leaf_size=2)).samples.n_samples == 5
     weightless = counted(Problem([*features, [1e300]], [*targets, "b"], depth=1, weights=[5, 2, 1, 5, 1, 0]))
-    assert weightless.weights.tolist() == [5, 1, 1, 1, 5, 1, 0]
+    assert weightless.samples.weights.tolist() == [5, 1, 1, 1, 5, 1, 0]
 
 
 def test_the_expected_cost_is_corrected_for_the_choice():

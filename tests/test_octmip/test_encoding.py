@@ -38,11 +38,11 @@ def test_a_cut_comes_back_as_the_midpoint_of_its_neighbours():
 
 @given(problems(max_samples=12), st.integers(0, 2**32 - 1))
 def test_a_tree_passes_the_border_and_back_with_the_same_predictions(problem, seed):
-    tree = random_tree(np.random.default_rng(seed), problem.n_features, problem.n_classes, 3)
-    tree = without_empty_sides(tree, problem.features)
+    tree = random_tree(np.random.default_rng(seed), problem.samples.n_features, problem.samples.n_classes, 3)
+    tree = without_empty_sides(tree, problem.samples.features)
     ranks = rank_features(problem)
     back = tree_from_rows(rows_from_tree(tree, ranks), ranks)
-    assert (predict(back, problem.features) == predict(tree, problem.features)).all()
+    assert (predict(back, problem.samples.features) == predict(tree, problem.samples.features)).all()
 
 
 @pytest.mark.parametrize(

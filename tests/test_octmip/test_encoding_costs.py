@@ -1,7 +1,6 @@
 """Weights and costs as whole numbers: exact where they can be, rounded down and said so elsewhere."""
 
 import itertools
-from dataclasses import replace
 from fractions import Fraction
 from operator import le
 
@@ -43,10 +42,12 @@ def test_no_cost_on_the_grid_is_above_the_true_one_in_exact_arithmetic(first, mo
         ):
             costs = integer_costs(problem)
             unit = Fraction(2) ** -costs.exponent
-            for row, weight, label, true in zip(costs.rows, costs.weights, problem.codes, problem.weights, strict=True):
+            for row, weight, label, true in zip(
+                costs.rows, costs.weights, problem.samples.codes, problem.samples.weights, strict=True
+            ):
                 prices = [Fraction(price) for price in problem.costs[label].tolist()]
                 base = min(prices) if costs.is_rounded else 0
-                held = [int(weight) * int(costs.costs[row, k]) * unit for k in range(problem.n_classes)]
+                held = [int(weight) * int(costs.costs[row, k]) * unit for k in range(problem.samples.n_classes)]
                 exact = [Fraction(float(true)) * (price - base) for price in prices]
                 assert all(map(le, held, exact)), f"seed {seed}"
                 assert costs.is_rounded or held == exact, f"seed {seed}"
@@ -61,7 +62,7 @@ def test_many_real_weights_and_real_costs_are_told_apart_to_a_millionth_of_the_w
         weights=rng.random(2000),
         loss=ClassCosts(rng.random((3, 3))),
     )
-    assert integer_costs(problem).tolerance < 1e-6 * problem.weights.sum()
+    assert integer_costs(problem).tolerance < 1e-6 * problem.samples.weights.sum()
 
 
 def test_a_sample_that_no_tree_gives_up_takes_no_digits_from_the_others():
@@ -82,8 +83,8 @@ def test_the_cheaper_the_tree_known_the_finer_the_grid():
 def test_what_no_prediction_avoids_is_counted_apart():
     problem = Problem(X, Y, depth=1, loss=ClassCosts([[1e15, 1e15 + 1], [0.1, 1e12]]), weights=[1, 1, 1, 1, 1, 0.1])
     costs = integer_costs(problem)
-    cheapest = problem.costs.min(axis=1)[problem.codes]
-    exact = sum(Fraction(w) * Fraction(c) for w, c in zip(problem.weights, cheapest, strict=True))
+    cheapest = problem.costs.min(axis=1)[problem.samples.codes]
+    exact = sum(Fraction(w) * Fraction(c) for w, c in zip(problem.samples.weights, cheapest, strict=True))
     assert costs.base == exact
     assert costs.value(0) <= exact
 
@@ -108,7 +109,7 @@ def test_the_tolerance_covers_what_rounding_takes_from_a_tree_no_worse_than_the_
         problem = lossy(seed, kind)
         costs = integer_costs(problem)
         known = min(problem.exact_objective(Leaf(label)) for label in range(3))
-        for cut in range(problem.n_samples - 1):
+        for cut in range(problem.samples.n_samples - 1):
             for left, right in itertools.product(range(3), repeat=2):
                 tree = Split(0, cut + 0.5, Leaf(left), Leaf(right))
                 exact = problem.exact_objective(tree)
@@ -129,7 +130,7 @@ def test_a_penalty_that_no_tree_pays_takes_no_digits():
     assert (solution.objective, solution.bound) == (3, 3)
     assert isinstance(solution.tree, Leaf)
     for size in (1e-300, 1e-30, 1e-3, 1e3, 1e30, 1e300):
-        assert solve(replace(problem, leaf_penalty=size)).is_optimal
+        assert solve(problem.replace(leaf_penalty=size)).is_optimal
 
 
 def lost(problem: Problem, tree: Leaf | Split) -> Fraction:

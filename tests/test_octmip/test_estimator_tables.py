@@ -41,7 +41,7 @@ def test_a_table_is_encoded_as_columns_encodes_it():
     assert model.is_optimal_
     assert model.score(FRAME, LABELS) == 1
     assert list(model.feature_names_in_) == list(FRAME.columns)
-    assert model.n_features_in_ == 4 < model.problem_.n_features
+    assert model.n_features_in_ == 4 < model.problem_.samples.n_features
 
 
 def test_a_value_missing_only_later_is_refused_with_a_cure():
@@ -82,9 +82,9 @@ def test_columns_may_share_a_sensor():
     by_name = fitted(sensor_of_feature={"age": "form", "colour": "form"}, sensor_budget=1.0)
     assert by_name.objective_ == 0
     assert by_name.sensors_ == ("form",)
-    assert by_name.problem_.sensors == ("form", "size", "member")
+    assert by_name.problem_.shape.sensors == ("form", "size", "member")
     in_order = fitted(sensor_of_feature=["form", "form", "size", "member"], sensor_budget=1.0)
-    assert in_order.problem_.sensor_of_feature == by_name.problem_.sensor_of_feature
+    assert in_order.problem_.shape.sensor_of_feature == by_name.problem_.shape.sensor_of_feature
     assert fitted(sensor_budget=1.0).objective_ > 0
     with pytest.raises(ProblemError, match=r"sensor_of_feature names \['height'\], no columns of X"):
         fitted(sensor_of_feature={"height": "form"})

@@ -57,7 +57,7 @@ def test_scikit_learns_tree_has_the_same_nodes_and_predicts_the_same(iris):
     assert (model.decision_path(frame) != iris.decision_path(frame)).nnz == 0
     assert (model.get_depth(), model.get_n_leaves()) == (iris.get_depth(), iris.get_n_leaves())
     assert list(model.feature_names_in_) == list(frame.columns)
-    assert model.tree_.weighted_n_node_samples[0] == iris.problem_.weights.sum()
+    assert model.tree_.weighted_n_node_samples[0] == iris.problem_.samples.weights.sum()
     assert model.tree_.n_node_samples[0] == 150
     assert (model.predict(frame) == pickle.loads(pickle.dumps(model)).predict(frame)).all()
 

@@ -1,7 +1,7 @@
 """Every cell of the registry by the same checks: whatever is registered keeps what a Solution promises."""
 
 import math
-from dataclasses import replace
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -13,7 +13,8 @@ from octmip.interfaces.report.html import tree_page
 from octmip.trees.nodes.tree import depth
 from octmip.trees.question.losses import SPELLINGS, ClassCosts, number_loss
 from octmip.trees.question.problem_file import encode, question_digest
-from octmip.trees.runs.registry import REGISTRY
+from octmip.trees.question.shape import Shape
+from octmip.trees.runs.registry import CAPABILITIES, REGISTRY, SHAPED, SPARSE
 
 CELLS = [(*cell, method) for cell, solvers in REGISTRY.items() for method in solvers]
 LOSSES = {"classes": ClassCosts(), **{number_loss(spelling).name: number_loss(spelling) for spelling in SPELLINGS}}
@@ -53,6 +54,18 @@ def cell(request):
     return request.param
 
 
+KNOWN_TO_ALL = "depth split split_size leaf_size leaf_penalty sensor_of_feature sensor_cost allowed_splits ridge"
+"""Fields of a shape that every solver knows."""
+
+
+def test_every_field_of_a_shape_has_a_row_unless_all_know_it_and_rows_name_solvers_that_there_are():
+    names = {one.name for one in fields(Shape)} - {"sensors", "sensor_index", "sensor_costs", "old_tree"}
+    assert names - set(CAPABILITIES) == set(KNOWN_TO_ALL.split())
+    solvers = {solver.name for solvers in REGISTRY.values() for solver in solvers.values()}
+    lacking = {who for row in CAPABILITIES.values() for who in row.lacking}
+    assert lacking <= {*solvers, SHAPED.name, SPARSE.name, "levels", "numbers"}
+
+
 def is_one_optimum(method: str, solution) -> bool:
     """Whether the objective is that of the best tree, and so the same however samples are laid out."""
     return solution.is_optimal or method == "cart"
@@ -63,7 +76,7 @@ def test_a_solution_is_certified_survives_its_file_and_has_a_page(cell, tmp_path
     asked = problem(loss, split, leaf_size=2, leaf_penalty=0.5)
     solution = solve(asked, method)
     certificate = certify(asked, solution)
-    assert depth(solution.tree) <= asked.depth
+    assert depth(solution.tree) <= asked.shape.depth
     assert solution.bound <= solution.objective == asked.objective(solution.tree)
     assert math.isclose(certificate.objective, solution.objective, rel_tol=1e-12)
     written = record_tree(asked, solution)
@@ -166,8 +179,8 @@ def test_a_budget_is_kept_and_the_sensors_are_those_of_the_certificate(cell):
     asked = problem(loss, split, sensor_cost=[2.0, 1.0, 1.0], sensor_budget=1.0)
     solution = solve(asked, method)
     assert len(certify(asked, solution).sensors) <= 1
-    assert asked.sensor_cost_of(solution.tree) <= 1
-    free = solve(replace(asked, sensor_budget=None), method)
+    assert asked.shape.sensor_cost_of(solution.tree) <= 1
+    free = solve(asked.replace(sensor_budget=None), method)
     assert not (solution.is_optimal and free.is_optimal) or free.objective <= solution.objective
 
 

@@ -1,6 +1,5 @@
 """The exact core against itself with every prune switched off, and against enumeration with none on."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +32,7 @@ def test_the_optimum_stays_with_a_prune_switched_off(prune: str) -> None:
 
 def test_the_optimum_stays_with_every_prune_switched_off() -> None:
     for seed in range(2000, 2012):
-        problem = replace(random_problem(np.random.default_rng(seed), max_samples=12), depth=3)
+        problem = random_problem(np.random.default_rng(seed), max_samples=12).replace(depth=3)
         with native_call.without(*_native.prunes()):
             found = branch_and_bound(problem).objective
         assert found == pytest.approx(optimum(problem).objective, rel=1e-12), seed
@@ -116,9 +115,9 @@ def test_what_equal_samples_of_all_classes_gain_is_taken_from_the_search_not_fro
 
 def test_equal_samples_of_several_classes_bound_the_cost_at_every_depth() -> None:
     problem = unclear(6, n=4000)
-    _, group = np.unique(problem.features, axis=0, return_inverse=True)
+    _, group = np.unique(problem.samples.features, axis=0, return_inverse=True)
     counts = np.zeros((group.max() + 1, 2))
-    np.add.at(counts, (group.ravel(), problem.codes), 1)
+    np.add.at(counts, (group.ravel(), problem.samples.codes), 1)
     least = counts.min(axis=1).sum()
     found = branch_and_bound(problem, limits=Limits(nodes=1))
     assert found.stop is Stop.NODES
@@ -128,7 +127,7 @@ def test_equal_samples_of_several_classes_bound_the_cost_at_every_depth() -> Non
 def test_the_tree_is_the_same_for_any_number_of_threads_and_any_vectors() -> None:
     for seed in range(4):
         small = larger(seed, n=120, classes=2 + seed % 3)
-        problem = Problem(small.features, small.targets, depth=3)
+        problem = Problem(small.samples.features, small.samples.targets, depth=3)
         first = branch_and_bound(problem)
         assert branch_and_bound(problem, n_jobs=2).tree == first.tree, seed
         assert branch_and_bound(problem, n_jobs=2).n_nodes == first.n_nodes, seed

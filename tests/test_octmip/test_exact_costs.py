@@ -1,7 +1,5 @@
 """The exact solver under cost matrices: against enumeration, and against itself with its bounds off."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -68,7 +66,7 @@ def in_smaller_units(problem, **options):
     """Return a problem whose costs are 20 times as much, and 7 more whatever is predicted for the first class."""
     costs = problem.costs * 20
     costs[0] += 7
-    return replace(problem, loss=ClassCosts(costs), leaf_penalty=problem.leaf_penalty * 20, **options)
+    return problem.replace(loss=ClassCosts(costs), leaf_penalty=problem.shape.leaf_penalty * 20, **options)
 
 
 @pytest.mark.parametrize("budget", [None, 2])
@@ -77,7 +75,7 @@ def test_costs_of_a_common_factor_are_searched_and_logged_as_without_it(budget, 
         rng = np.random.default_rng([73, seed])
         problem = cost_problem(rng, 80, 4, 2 + seed % 2)
         if budget is not None:
-            problem = replace(problem, sensor_budget=budget)
+            problem = problem.replace(sensor_budget=budget)
         finer, path = in_smaller_units(problem), tmp_path / "proof.log"
         plain, solution = branch_and_bound(problem), branch_and_bound(finer, options=ExactOptions(proof=path))
         assert (solution.tree, solution.n_nodes) == (plain.tree, plain.n_nodes), f"seed {seed}"
@@ -90,8 +88,8 @@ def test_costs_that_are_multiples_but_for_rounding_are_counted_in_whole_numbers(
     for seed in range(3):
         rng = np.random.default_rng([75, seed])
         whole = cost_problem(rng, 60, 3, 3)
-        whole = replace(whole, loss=ClassCosts(np.round(whole.costs)), leaf_penalty=np.round(whole.leaf_penalty))
-        problem = replace(whole, loss=ClassCosts(whole.costs * unit), leaf_penalty=whole.leaf_penalty * unit)
+        whole = whole.replace(loss=ClassCosts(np.round(whole.costs)), leaf_penalty=np.round(whole.shape.leaf_penalty))
+        problem = whole.replace(loss=ClassCosts(whole.costs * unit), leaf_penalty=whole.shape.leaf_penalty * unit)
         path = tmp_path / "proof.log"
         plain, solution = branch_and_bound(whole), branch_and_bound(problem, options=ExactOptions(proof=path))
         assert solution.objective == pytest.approx(plain.objective * unit, rel=1e-12), f"seed {seed}"

@@ -31,7 +31,7 @@ def test_under_a_budget_the_tree_is_the_same_for_any_number_of_threads(seed: int
     problem = with_ties(seed)
     first, *others = (branch_and_bound(problem, n_jobs=n_jobs) for n_jobs in (1, 2, 3))
     assert first.stop is Stop.OPTIMAL
-    assert problem.sensor_cost_of(first.tree) <= 2
+    assert problem.shape.sensor_cost_of(first.tree) <= 2
     for other in others:
         assert (other.tree, other.objective, other.bound) == (first.tree, first.objective, first.bound)
 

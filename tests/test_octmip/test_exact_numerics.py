@@ -20,9 +20,10 @@ BLOCK = 30
 
 def exact_objective(problem, tree):
     """Return the objective of a tree as the rational number that it is."""
-    answers = zip(problem.weights.tolist(), problem.codes, predict(tree, problem.features), strict=True)
+    samples = problem.samples
+    answers = zip(samples.weights.tolist(), samples.codes, predict(tree, samples.features), strict=True)
     paid = (Fraction(weight) * Fraction(float(problem.costs[code, k])) for weight, code, k in answers)
-    return sum(paid, n_splits(tree) * Fraction(problem.leaf_penalty))
+    return sum(paid, n_splits(tree) * Fraction(problem.shape.leaf_penalty))
 
 
 def check(problem, solution, best):

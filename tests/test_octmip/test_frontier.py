@@ -1,6 +1,5 @@
 """Frontiers: each point is the optimum of its own problem, and neither objectives nor bounds go the wrong way."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -55,7 +54,7 @@ def test_a_bound_that_is_taken_over_never_exceeds_the_tree_of_its_point():
 
 def test_values_are_taken_in_order_whatever_order_they_come_in():
     points = trace_frontier(PROBLEM, "depth", [2, 1], method="cart", limits=Limits(seconds=10))
-    assert [point.problem.depth for point in points] == [1, 2]
+    assert [point.problem.shape.depth for point in points] == [1, 2]
 
 
 @pytest.mark.parametrize(
@@ -68,7 +67,7 @@ def test_a_value_that_makes_no_problem_is_refused(over, values, sentence):
 
 
 def test_budgets_must_be_named_where_sensors_differ_in_cost():
-    expensive = dataclasses.replace(PROBLEM, sensor_cost=[1, 2, 5])
+    expensive = PROBLEM.replace(sensor_cost=[1, 2, 5])
     with pytest.raises(ProblemError, match="name the values"):
         trace_frontier(expensive, "budget")
     assert len(trace_frontier(expensive, "budget", [2, 3], method="cart")) == 2

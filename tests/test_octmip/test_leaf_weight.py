@@ -47,7 +47,7 @@ def test_the_proven_optimum_is_that_of_enumeration(kind):
         best, found = optimum(problem).objective, octmip.solve(problem, "exact")
         assert found.is_optimal, seed
         assert found.objective == pytest.approx(best, rel=1e-12, abs=1e-12), seed
-        n_bound += best > optimum(replace(problem, leaf_weight=None)).objective
+        n_bound += best > optimum(problem.replace(leaf_weight=None)).objective
         for method in ("cart", "search"):
             assert certify(problem, octmip.solve(problem, method)).objective >= best * (1 - 1e-12)
     assert n_bound >= 2  # else the limit would not have been tried
@@ -71,7 +71,7 @@ def test_weight_k_is_k_samples_in_objective_and_leaf_sizes(loss, method):
 
 def test_a_leaf_of_too_little_weight_fails_its_certificate_and_is_no_incumbent():
     problem = Problem(*STRIPES, depth=2, weights=[1, 1, 1, 4], leaf_weight=3)
-    free = octmip.solve(replace(problem, leaf_weight=None), "exact")
+    free = octmip.solve(problem.replace(leaf_weight=None), "exact")
     with pytest.raises(CertificateError, match=r"leaf 0 .* weight 1 but leaf_weight is 3"):
         certify(problem, free)
     with pytest.raises(ProblemError, match="the incumbent is no tree of this problem: leaf 0"):
@@ -80,7 +80,7 @@ def test_a_leaf_of_too_little_weight_fails_its_certificate_and_is_no_incumbent()
 
 
 def test_rows_too_coarse_to_tell_leaves_apart_claim_no_optimum(monkeypatch):
-    monkeypatch.setattr(repeated_rows, "units_of", lambda problem: [problem.weights.sum()])
+    monkeypatch.setattr(repeated_rows, "units_of", lambda problem: [problem.samples.weights.sum()])
     problem = Problem(*STRIPES, depth=2, weights=[1, 1, 1, 1], leaf_weight=2)
     found = octmip.solve(problem, "exact")
     assert (found.objective, found.bound, found.stop) == (2.0, 0.0, Stop.NUMERICS)

@@ -13,10 +13,10 @@ FEATURES = [[1.0, 2.0], [0.0, 5.0], [1.0, 2.0], [1.0, 2.0], [-0.0, 5.0]]
 
 def test_rows_without_weight_are_left_out_unless_they_make_up_a_class_or_lie_far_outside():
     problem = Problem(FEATURES, ["a", "b", "a", "b", "b"], depth=1, weights=[1, 2, 0, 4, 0])
-    assert merged(problem)[0].n_samples == 3
-    assert merged(Problem(FEATURES, ["a", "b", "a", "b", "b"], depth=1, weights=[1, 0, 3, 0, 0]))[0].n_samples == 3
+    assert merged(problem)[0].samples.n_samples == 3
+    assert merged(problem.replace(weights=[1, 0, 3, 0, 0]))[0].samples.n_samples == 3
     far = Problem([*FEATURES, [1e300, 0.0]], ["a", "b", "a", "b", "b", "a"], depth=1, weights=[1, 2, 3, 4, 1, 0])
-    assert merged(far)[0].n_samples == 4
+    assert merged(far)[0].samples.n_samples == 4
 
 
 @pytest.mark.parametrize("options", [{}, {"split": "hyperplane"}, {"split": "hyperplane", "split_size": 2}])

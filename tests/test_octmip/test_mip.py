@@ -98,7 +98,8 @@ def test_the_printed_form_leaks_at_unsplit_nodes_and_the_closed_form_does_not():
     for closed in (False, True):
         model = encode(problem, closed=closed)
         values = np.zeros(model.rows.n_columns)
-        values[model.leaves.z[np.arange(150), problem.codes]] = 1  # each class in a leaf of its own, no node split
+        # Each class in a leaf of its own, no node split.
+        values[model.leaves.z[np.arange(150), problem.samples.codes]] = 1
         for t in range(3):
             values[model.leaves.l[t]] = values[model.leaves.c[t, t]] = 1
             values[model.leaves.N_kt[t, t]] = values[model.leaves.N_t[t]] = 50

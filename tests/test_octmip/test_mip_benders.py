@@ -75,9 +75,9 @@ def test_an_interrupt_in_a_round_ends_every_thread_and_keeps_the_bound():
 
 
 def best_price(problem: Problem, samples: np.ndarray) -> float:
-    if len(set(problem.targets[samples].tolist())) < 2:
+    if len(set(problem.samples.targets[samples].tolist())) < 2:
         return 0.0
-    part = Problem(problem.features[samples], problem.targets[samples], depth=problem.depth - 1)
+    part = Problem(problem.samples.features[samples], problem.samples.targets[samples], depth=problem.shape.depth - 1)
     return optimum(part).objective
 
 
@@ -106,7 +106,7 @@ def test_what_is_remembered_of_other_nodes_holds_for_the_samples_asked():
         rows = np.flatnonzero(rng.random(12) < 0.6)
         memory.add(1, rows, best_price(problem, np.isin(np.arange(12), rows)))
     inside = np.flatnonzero(rng.random(12) < 0.8)
-    part = Problem(problem.features[inside], problem.targets[inside], depth=2)
+    part = Problem(problem.samples.features[inside], problem.samples.targets[inside], depth=2)
     recalled = memory.recall(Subproblem(part, own_prices(part), inside))
     assert recalled
     for samples, price in recalled:

@@ -54,37 +54,38 @@ def optimum(problem: Problem) -> float:
     """Return the optimum over every hyperplane of whole coefficients, found by trying them all."""
     budgets = [
         chosen
-        for size in range(len(problem.sensors) + 1)
-        for chosen in itertools.combinations(range(len(problem.sensors)), size)
-        if problem.sensor_costs[list(chosen)].sum() <= problem.sensor_limit
+        for size in range(len(problem.shape.sensors) + 1)
+        for chosen in itertools.combinations(range(len(problem.shape.sensors)), size)
+        if problem.shape.sensor_costs[list(chosen)].sum() <= problem.shape.sensor_limit
     ]
     return min(_best(problem, set(chosen)) for chosen in budgets)
 
 
 def _best(problem: Problem, sensors: set[int]) -> float:
-    largest = range(-problem.integer_normals, problem.integer_normals + 1)
+    largest = range(-problem.shape.integer_normals, problem.shape.integer_normals + 1)
     sides: dict[int, int] = {}  # mask of the samples on the left: fewest features that make it
-    for normal in itertools.product(largest, repeat=problem.n_features):
+    for normal in itertools.product(largest, repeat=problem.samples.n_features):
         read = tuple(j for j, a in enumerate(normal) if a)
-        if not read or not problem.is_allowed(read) or not {int(problem.sensor_index[j]) for j in read} <= sensors:
+        is_paid = {int(problem.shape.sensor_index[j]) for j in read} <= sensors
+        if not read or not problem.shape.is_allowed(read) or not is_paid:
             continue
-        totals = np.round(problem.features * 10).astype(int) @ np.array(normal)
+        totals = np.round(problem.samples.features * 10).astype(int) @ np.array(normal)
         for value in np.unique(totals)[:-1]:
             mask = sum(1 << int(i) for i in np.flatnonzero(totals <= value))
             sides[mask] = min(sides.get(mask, 99), len(read))
 
     @cache
     def best(samples: int, depth: int) -> float:
-        rows = np.array([i for i in range(problem.n_samples) if samples >> i & 1], dtype=np.int64)
+        rows = np.array([i for i in range(problem.samples.n_samples) if samples >> i & 1], dtype=np.int64)
         found = float(problem.class_costs(rows).min())
         for mask, features in sides.items() if depth else ():
             left, right = samples & mask, samples & ~mask
-            if min(left.bit_count(), right.bit_count()) >= problem.leaf_size:
-                penalty = features * problem.leaf_penalty
+            if min(left.bit_count(), right.bit_count()) >= problem.shape.leaf_size:
+                penalty = features * problem.shape.leaf_penalty
                 found = min(found, best(left, depth - 1) + best(right, depth - 1) + penalty)
         return found
 
-    return best((1 << problem.n_samples) - 1, problem.depth)
+    return best((1 << problem.samples.n_samples) - 1, problem.shape.depth)
 
 
 @pytest.mark.parametrize("method", SOLVERS)
@@ -112,7 +113,7 @@ def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_the_same_
     problem = whole(depth=2, integer_normals=integer_normals)
     tree = canonicalise(problem, tree)
     heap = Heap(2)
-    placed = place(tree, heap, problem.features)
+    placed = place(tree, heap, problem.samples.features)
     mu = choose_mu(space_of(problem, centred=False), placed, heap)
     model = oct_h.encode(problem, mu) if form == "oct_h" else flow.encode(problem, tree)
     values = model.start(placed)
@@ -130,7 +131,7 @@ def test_a_normal_of_nothing_but_zeros_sends_everything_one_way(offset, side):
     values[model.hyperplanes.d] = values[model.hyperplanes.s[0]] = 1.0
     values[model.hyperplanes.b] = offset  # the solver may choose it: 0'x + mu <= b holds for every sample, or for none
     decoded = to_tree(Heap(1), model.splits(values), {2: 0, 3: 1})
-    assert (predict(decoded, problem.features) == side).all()
+    assert (predict(decoded, problem.samples.features) == side).all()
 
 
 def test_real_normals_are_no_worse_than_whole_ones_and_both_forms_agree():

@@ -162,7 +162,7 @@ def test_a_false_bound_of_a_solver_is_refused_by_a_tree_that_it_denies():
     problem = Problem([[2.0, 1.0], [-1.0, 2.0]], [1, 0], depth=2, leaf_penalty=2)
     made = model_of(problem, "oct")
     tree = Split(0, 0.5, Leaf(0), Leaf(1))
-    split = made.formulation.start(place(tree, made.formulation.heap, problem.features))
+    split = made.formulation.start(place(tree, made.formulation.heap, problem.samples.features))
     assert made.known.objective == 1
     with pytest.raises(SolverError, match="no tree is below 2 but one of the model costs 1"):
         made.solution(Answer(split, 2.0, "SCIP"))

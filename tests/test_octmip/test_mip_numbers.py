@@ -88,7 +88,7 @@ def test_prices_bound_the_true_objective_on_both_sides():
         problem = wild(seed, list(SIZES)[seed % 4])
         known = problem.baseline
         priced = prices.whole_prices(problem, known)
-        assert priced.worst <= prices.LARGEST * problem.n_samples * 2
+        assert priced.worst <= prices.LARGEST * problem.samples.n_samples * 2
         assert (priced.costs == np.round(priced.costs)).all()
         assert (priced.weights == np.round(priced.weights)).all()
         for tree in (Leaf(0), Leaf(1), Split(0, 0.5, Leaf(0), Leaf(1)), Split(1, 1.5, Leaf(2), Leaf(0))):
@@ -100,11 +100,11 @@ def test_prices_bound_the_true_objective_on_both_sides():
 
 
 def test_small_whole_problems_are_priced_as_they_stand():
-    problem = wild(1, "large")
-    small = Problem(problem.features, problem.targets, depth=1, weights=np.arange(1, problem.n_samples + 1))
+    samples = wild(1, "large").samples
+    small = Problem(samples.features, samples.targets, depth=1, weights=np.arange(1, samples.n_samples + 1))
     priced = prices.whole_prices(small, 3.0)
     assert (priced.unit, priced.above, priced.below) == (1, 0, 0)
-    assert priced.weights is small.weights
+    assert priced.weights is small.samples.weights
 
 
 def test_decimal_weights_are_whole_in_their_last_digit():

@@ -34,7 +34,7 @@ def relaxation(problem: Problem, n_subproblems: int | None) -> float:
 def test_oct_with_the_rows_has_the_optimum_of_enumeration():
     for seed in range(12):
         problem = random_problem(np.random.default_rng(8100 + seed), max_samples=8, max_features=2)
-        if problem.split != "axis":
+        if problem.shape.split != "axis":
             continue
         for n_subproblems in (0, ALL):
             found = solve(problem, "oct", options=OctOptions(root_rows=n_subproblems))
@@ -49,7 +49,7 @@ def test_the_best_tree_is_one_of_the_model_and_its_relaxation_lies_below(options
     best = solve(problem, "exact")
     prices = whole_prices(problem, best.objective)
     model = oct.encode(problem, prices=prices, root=root_bounds(problem, prices, best.tree, ALL).bounds)
-    values = model.start(place(best.tree, model.heap, problem.features))
+    values = model.start(place(best.tree, model.heap, problem.samples.features))
     worst, where = model.rows.violation(values)
     assert worst < 1e-7, where
     value = relaxation(problem, ALL)

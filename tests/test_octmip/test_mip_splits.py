@@ -34,7 +34,7 @@ def random(seed: int, **options: object) -> Problem:
 
 def prunings(problem: Problem, node: Node) -> list[Node]:
     """Return every way to put leaves in place of splits."""
-    cut = [Leaf(label) for label in range(problem.n_classes)]
+    cut = [Leaf(label) for label in range(problem.samples.n_classes)]
     if isinstance(node, Leaf):
         return cut
     sides = [prunings(problem, side) for side in (node.left, node.right)]
@@ -45,12 +45,12 @@ def prunings(problem: Problem, node: Node) -> list[Node]:
 @pytest.mark.parametrize("seed", range(3))
 def test_one_split_is_the_best_stump_and_two_are_two_at_most(method, seed):
     problem = random(seed)
-    one = METHODS[method](replace(problem, max_splits=1))
+    one = METHODS[method](problem.replace(max_splits=1))
     assert complexity(one.tree) <= 1
-    assert one.objective == one.bound == solve(replace(problem, depth=1), "exact").objective
+    assert one.objective == one.bound == solve(problem.replace(depth=1), "exact").objective
     assert one.stop is Stop.OPTIMAL
     assert one.details["scope"] == "all axis-aligned trees, of depth 2 or less, with at most 1 split"
-    two = METHODS[method](replace(problem, max_splits=2))
+    two = METHODS[method](problem.replace(max_splits=2))
     certify(problem, two)
     assert complexity(two.tree) <= 2
     assert two.is_optimal
@@ -61,7 +61,7 @@ def test_one_split_is_the_best_stump_and_two_are_two_at_most(method, seed):
 def test_features_of_hyperplanes_are_counted_one_by_one(seed):
     problem = random(seed, split="hyperplane")
     for method in ("oct_h", "flow"):
-        solution = solve(replace(problem, max_splits=1), method)
+        solution = solve(problem.replace(max_splits=1), method)
         certify(problem, solution)
         assert complexity(solution.tree) <= 1
         assert solution.details["scope"].endswith("with at most 1 feature in all splits")
@@ -71,7 +71,7 @@ def test_features_of_hyperplanes_are_counted_one_by_one(seed):
 def test_a_tree_is_pruned_to_the_best_of_all_its_prunings(seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, max_samples=9, max_depth=3)
-    tree = solve(replace(problem, leaf_penalty=0.0), "exact").tree
+    tree = solve(problem.replace(leaf_penalty=0.0), "exact").tree
     priced = [(complexity(t), problem.objective(t)) for t in [*prunings(problem, tree), tree]]
     for most in range(complexity(tree) + 2):
         found = pruned(problem, tree, most)
@@ -84,7 +84,7 @@ def test_a_tree_is_pruned_to_the_best_of_all_its_prunings(seed):
 
 
 def test_a_hyperplane_that_is_too_wide_goes_and_a_narrow_one_below_it_goes_with_it():
-    problem = replace(random(0), split="hyperplane")
+    problem = random(0).replace(split="hyperplane")
     tree = HyperplaneSplit((0, 1), (1.0, 1.0), 0.0, Split(0, 0.0, Leaf(0), Leaf(1)), Leaf(2))
     assert complexity(pruned(problem, tree, 2)) in (0, 2)
     assert pruned(problem, tree, 1) == Leaf(int(problem.class_costs().argmin()))
@@ -93,7 +93,7 @@ def test_a_hyperplane_that_is_too_wide_goes_and_a_narrow_one_below_it_goes_with_
 @pytest.mark.parametrize("given", [solve_oct, solve_flow, solve_oct_h])
 def test_a_start_with_too_many_splits_is_pruned_whoever_is_called(given):
     problem = stairs(split="hyperplane" if given is solve_oct_h else "axis")
-    solution = given(replace(problem, max_splits=1), incumbent=STAIRS, limits=Limits(seconds=0.0))
+    solution = given(problem.replace(max_splits=1), incumbent=STAIRS, limits=Limits(seconds=0.0))
     certify(problem, solution)
     assert complexity(solution.tree) <= 1
     assert solution.objective == 1
@@ -102,7 +102,7 @@ def test_a_start_with_too_many_splits_is_pruned_whoever_is_called(given):
 def test_a_tree_of_more_splits_is_never_returned(monkeypatch):
     monkeypatch.setattr(solver_call, "fitting", lambda problem, solution: solution)
     with pytest.raises(SolverError, match="the tree has 3 splits but max_splits is 1"):
-        solve(replace(stairs(), max_splits=1), "search")
+        solve(stairs().replace(max_splits=1), "search")
 
 
 def test_a_start_that_does_not_pay_its_splits_is_the_best_leaf():

@@ -1,7 +1,6 @@
 """Missing readings: where each split sends them, chosen in the optimum, and the same by all that reads a tree."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -108,11 +107,11 @@ def test_a_tree_goes_to_columns_and_back():
     for seed in range(40):
         problem = problem_with_missing(seed)
         ranks, tree = rank_features(problem), optimum(problem).tree
-        tree = without_empty_sides(tree, problem.features)
+        tree = without_empty_sides(tree, problem.samples.features)
         back = tree_from_rows(rows_from_tree(tree, ranks), ranks)
-        np.testing.assert_array_equal(predict(back, problem.features), predict(tree, problem.features))
-        again = centred(back, problem.features)
-        np.testing.assert_array_equal(predict(again, problem.features), predict(tree, problem.features))
+        np.testing.assert_array_equal(predict(back, problem.samples.features), predict(tree, problem.samples.features))
+        again = centred(back, problem.samples.features)
+        np.testing.assert_array_equal(predict(again, problem.samples.features), predict(tree, problem.samples.features))
 
 
 def test_extremes_of_float64_have_room_for_what_is_missing():
@@ -127,7 +126,7 @@ def test_extremes_of_float64_have_room_for_what_is_missing():
 def test_what_counts_on_every_reading_refuses_a_problem_that_lacks_some():
     problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1)
     with pytest.raises(ProblemError, match=r"1 reading is missing \(NaN\), and .*; expected every reading; "):
-        solve(replace(problem, split="hyperplane"), "oct_h")
+        solve(problem.replace(split="hyperplane"), "oct_h")
 
 
 def test_a_tree_without_a_side_where_some_are_missing_has_no_certificate():
@@ -148,15 +147,15 @@ def test_every_log_of_a_problem_with_missing_proves_its_bound(first, tmp_path):
         report = check_proof(problem, log, bound=solution.bound)
         assert report.bound <= optimum(problem).objective * (1 + 1e-12), f"seed {seed}"
         assert report.bound >= solution.objective - solution.tolerance, f"seed {seed}"
-        assert log.read_text().splitlines()[0] == "octmip-proof 3" + (" missing" if problem.n_missing else "")
+        assert log.read_text().splitlines()[0] == "octmip-proof 3" + (" missing" if problem.samples.n_missing else "")
 
 
 def test_a_log_belongs_to_its_missing_readings(tmp_path):
     problem, log = Problem([[NAN], [1.0], [2.0]], [0, 0, 1], depth=1), tmp_path / "proof.log"
     branch_and_bound(problem, options=ExactOptions(proof=log))
     with pytest.raises(CertificateError, match=r"line 1: got .octmip-proof 3 missing., expected .octmip-proof 3."):
-        check_proof(replace(problem, features=np.nan_to_num(problem.features)), log)
-    moved = replace(problem, features=np.array([[1.0], [NAN], [2.0]]))
+        check_proof(problem.replace(features=np.nan_to_num(problem.samples.features)), log)
+    moved = problem.replace(features=np.array([[1.0], [NAN], [2.0]]))
     with pytest.raises(CertificateError, match="line 2: got"):
         check_proof(moved, log)
     # The same data, but its first line says that none is missing.
@@ -190,7 +189,7 @@ def test_the_estimator_takes_missing_readings_in_fit_and_in_predict():
     model = OptimalTreeClassifier(max_depth=2).fit(features, labels)
     assert model.score(features, labels) == 1.0
     assert model.n_features_in_ == 3
-    assert model.problem_.feature_names == ("x0", "x1", "x2")
+    assert model.problem_.samples.feature_names == ("x0", "x1", "x2")
     assert model.predict(np.full((1, 3), NAN)).tolist() == [1]
 
 

@@ -1,7 +1,6 @@
 """Monotone trees: proven against a list of all trees, recounted by the certificate, kept by every method and door."""
 
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -81,7 +80,7 @@ def test_order_of_leaves_is_order_of_predictions(seed):
 
 def test_a_certificate_refutes_a_tree_out_of_order():
     free = solve(Problem(FEATURES, LABELS, depth=2))
-    assert disorder(free.tree, asked().directions) is not None
+    assert disorder(free.tree, asked().shape.directions) is not None
     with pytest.raises(CertificateError, match=r"the prediction (falls|rises) along x\d between leaves"):
         certify(asked(), free)
     with pytest.raises(ProblemError, match="the incumbent is no tree of this problem: the prediction"):
@@ -91,7 +90,7 @@ def test_a_certificate_refutes_a_tree_out_of_order():
 def test_leaves_out_of_order_get_one_prediction():
     problem = asked(monotone=[1, 0, 0])
     tree = ordered(problem, ACROSS)
-    assert disorder(tree, problem.directions) is None
+    assert disorder(tree, problem.shape.directions) is None
     assert tree is ordered(problem, tree)
 
 
@@ -103,12 +102,12 @@ def test_ordered_numbers_are_no_worse_than_an_ordered_tree_that_is_known(depth, 
         features = rng.normal(size=(40, 3))
         targets = features @ rng.uniform(0, 1, 3) + rng.uniform(0, 1) * rng.normal(size=40)
         problem = Problem(features, targets, depth=depth, loss=loss, monotone=[1, 1, 1])
-        free, found = solve(replace(problem, monotone=None)), solve(problem)
-        if disorder(free.tree, problem.directions) is None:
+        free, found = solve(problem.replace(monotone=None)), solve(problem)
+        if disorder(free.tree, problem.shape.directions) is None:
             kept += 1
             assert (found.objective, found.is_optimal) == (free.objective, True)
         assert found.bound == free.bound
-        assert found.objective <= solve(replace(problem, depth=depth - 1)).objective
+        assert found.objective <= solve(problem.replace(depth=depth - 1)).objective
         grown = DecisionTreeRegressor(max_depth=depth, monotonic_cst=[1, 1, 1], random_state=0).fit(features, targets)
         errors = loss.of_misses(targets - grown.predict(features))
         assert found.objective <= errors.sum() * (1 + 1e-9)

@@ -22,14 +22,14 @@ CLOSE = Fraction(1, 10**9)
 
 
 def optimum_without(problem: Problem, sensors: tuple[str, ...]) -> float:
-    names = enumerate(problem.sensor_of_feature or ())
-    kept = [[f] for f, name in names if name not in sensors and problem.is_allowed((f,))]
-    return optimum(replace(problem, allowed_splits=kept)).objective if kept else problem.baseline
+    names = enumerate(problem.shape.sensor_of_feature or ())
+    kept = [[f] for f, name in names if name not in sensors and problem.shape.is_allowed((f,))]
+    return optimum(problem.replace(allowed_splits=kept)).objective if kept else problem.baseline
 
 
 def check_forced(problem: Problem, role: SensorRole, best: float) -> None:
     """Some tree within a hair of the objective reads the sensor, and none within a hair less."""
-    most = Fraction(float(problem.weights.sum() * problem.costs.max()) + 7 * problem.leaf_penalty)
+    most = Fraction(float(problem.samples.weights.sum() * problem.costs.max()) + 7 * problem.shape.leaf_penalty)
     limit = Fraction(role.forced) if math.isfinite(role.forced) else most
     readers = recount(problem, limit * (1 + CLOSE)).by_sensors
     assert any(role.sensor in read for read in readers) == math.isfinite(role.forced)
@@ -79,7 +79,7 @@ def test_roles_are_those_of_enumeration_in_exact_arithmetic(within: float) -> No
         problem = decimal(seed)
         found = sensor_roles(problem, within)
         assert found.is_proven
-        worst = Fraction(float(problem.weights.sum() * problem.costs.max()))
+        worst = Fraction(float(problem.samples.weights.sum() * problem.costs.max()))
         assert found.limit == recount(problem, worst).least + Fraction(within), f"seed {seed}"
         for role in found.roles:
             assert role.role is role_by_enumeration(problem, role.sensor, found.limit), f"seed {seed}, {role.sensor}"
@@ -89,7 +89,7 @@ def test_a_sensor_that_the_optimal_tree_reads_is_not_useless() -> None:
     features = [[1, 0], [2, 1], [0, 0], [1, 0], [0, 0]]
     weights, costs = [0.1, 0.1, 0.3, 0.1, 0.7], [[0, 0.7], [0.1, 0]]
     found = sensor_roles(Problem(features, [0, 1, 0, 1, 1], depth=1, weights=weights, loss=ClassCosts(costs)))
-    assert found.problem.sensors_used(found.solution.tree)
+    assert found.problem.shape.sensors_used(found.solution.tree)
     assert [role.role for role in found.roles] == [Role.REPLACEABLE, Role.REPLACEABLE]
 
 
@@ -132,7 +132,7 @@ def test_what_is_asked_must_make_sense() -> None:
     with pytest.raises(ProblemError, match="within is -1"):
         sensor_roles(stairs(), within=-1)
     with pytest.raises(ProblemError, match="split is 'hyperplane'"):
-        sensor_roles(replace(stairs(), split="hyperplane"))
+        sensor_roles(stairs().replace(split="hyperplane"))
 
 
 def told_apart() -> Problem:

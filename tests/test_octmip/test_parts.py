@@ -1,6 +1,5 @@
 """Parts of a tree that are asked for: proven against a list of all trees, recounted, kept by file and doors."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -109,8 +108,8 @@ def test_a_given_threshold_beside_another_one_of_the_old_tree_is_a_change():
 def test_without_a_depth_the_price_bounds_the_search_and_ends_it(parts):
     problem = asked(depth=None, leaf_penalty=6.0, **parts)
     found = solve(problem)
-    assert (found.stop, found.objective) == (Stop.OPTIMAL, solve(replace(problem, depth=7)).objective)
-    open_still = solve(replace(problem, depth=None, leaf_penalty=1.0), limits=Limits(nodes=100))
+    assert (found.stop, found.objective) == (Stop.OPTIMAL, solve(problem.replace(depth=7)).objective)
+    open_still = solve(problem.replace(depth=None, leaf_penalty=1.0), limits=Limits(nodes=100))
     assert open_still.stop is Stop.NODES
     assert len(parts.get("fixed_splits", ())) <= open_still.bound <= open_still.objective
 
@@ -129,7 +128,7 @@ def test_the_classifier_takes_rules_by_column_and_splits_by_feature():
     tree = OptimalTreeClassifier(max_depth=2, path_rules=[("apart", "d", "a")], fixed_splits={"ROOT": "a"})
     tree.fit(frame, LABELS)
     assert 0 in {tree.tree_.feature}
-    assert all(rule[0] == "apart" for rule in tree.problem_.path_rules)
+    assert all(rule[0] == "apart" for rule in tree.problem_.shape.path_rules)
     with pytest.raises(ProblemError, match="with max_depth='auto'"):
         OptimalTreeClassifier(path_rules=[("root-only", "a")]).fit(frame, LABELS)
 
@@ -169,7 +168,7 @@ def test_other_columns_are_those_that_lose_least_in_one_split():
     features, weights = rng.integers(0, 5, (60, 9)).astype(float), rng.integers(1, 9, 60)
     problem = Problem(features, rng.integers(0, 2, 60), depth=1, weights=weights)
     best = solve(problem).tree
-    every = [solve(replace(problem, fixed_splits={"ROOT": f"x{j}"})).objective for j in range(9) if j != best.feature]
+    every = [solve(problem.replace(fixed_splits={"ROOT": f"x{j}"})).objective for j in range(9) if j != best.feature]
     found = [price.objective for price in tree_edits(problem, best, 60.0)[""]]
     assert found == sorted(every)[: edits.MOST_SENSORS]
 

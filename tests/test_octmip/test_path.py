@@ -35,7 +35,7 @@ def test_each_tree_is_the_optimum_wherever_it_is_said_to_be(method, problem):
     for best_tree in path.trees:
         high = best_tree.penalty_high if math.isfinite(best_tree.penalty_high) else best_tree.penalty_low + 5
         for penalty in (best_tree.penalty_low, best_tree.penalty, 0.01 * best_tree.penalty_low + 0.99 * high):
-            best = optimum(replace(problem, leaf_penalty=penalty)).objective
+            best = optimum(problem.replace(leaf_penalty=penalty)).objective
             assert best_tree.cost + penalty * best_tree.complexity == pytest.approx(best)
             assert path.bound_at(penalty) <= best + 1e-9
         assert best_tree.cost == problem.objective(best_tree.tree)
@@ -51,7 +51,7 @@ def test_no_tree_that_is_best_for_some_penalty_is_missed(seed):
     for penalty in np.linspace(0, problem.baseline, 40):
         best = path.best_at(penalty)
         assert best.cost + penalty * best.complexity == pytest.approx(
-            optimum(replace(problem, leaf_penalty=penalty)).objective
+            optimum(problem.replace(leaf_penalty=penalty)).objective
         )
     assert path.n_solves <= 2 * len(path.trees) + 1
 
@@ -63,10 +63,10 @@ def test_weights_costs_leaf_sizes_and_budgets_hold_along_the_path(seed):
     path = trace_path(problem, method="exact")
     assert all(best_tree.is_proven for best_tree in path.trees)
     for penalty in rng.uniform(0, 1.2, 4) * problem.baseline:
-        here, best = path.best_at(penalty), optimum(replace(problem, leaf_penalty=penalty))
+        here, best = path.best_at(penalty), optimum(problem.replace(leaf_penalty=penalty))
         assert here.cost + penalty * here.complexity == pytest.approx(best.objective)
         certify(
-            replace(problem, leaf_penalty=0.0),
+            problem.replace(leaf_penalty=0.0),
             Solution(here.tree, here.cost, -math.inf, Stop.FINISHED, 0, 0, "", "", 0),
         )
 
@@ -110,7 +110,7 @@ def test_a_path_that_is_cut_short_says_so_and_proves_only_what_it_saw():
 
 @pytest.mark.parametrize("size", [1e-12, 1.0, 1e12])
 def test_a_tree_is_proven_at_any_size_of_weights_only_where_its_bound_meets_it(size, monkeypatch):
-    problem = replace(blobs(depth=2), weights=np.full(len(blobs(depth=2).codes), size))
+    problem = blobs(depth=2).replace(weights=np.full(len(blobs(depth=2).samples.codes), size))
     assert all(best_tree.is_proven for best_tree in trace_path(problem, method="exact").trees)
 
     def half_proven(problem, *args):
@@ -153,7 +153,8 @@ def test_a_tree_is_proven_for_an_interval_only_where_it_is_at_both_ends(monkeypa
 
     def solved(problem, run, start):
         solution = solve_run(problem, run, start)
-        return solution if problem.leaf_penalty == 0 else replace(solution, bound=0.0, stop=Stop.TIME, tolerance=0.0)
+        is_free = problem.shape.leaf_penalty == 0
+        return solution if is_free else replace(solution, bound=0.0, stop=Stop.TIME, tolerance=0.0)
 
     problem = Problem([[0.0], [1.0], [2.0]], [0, 1, 1], depth=1)
     assert all(tree.is_proven for tree in trace_path(problem, method="exact").trees)

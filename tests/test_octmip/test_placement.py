@@ -1,7 +1,5 @@
 """Sensors that trees choose, and what they are compared with."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -48,7 +46,7 @@ def test_a_placement_is_never_worse_than_the_choices_it_starts_from(split):
     starts = [by_chance(problem, 4, rng) for _ in range(3)]
     least = min(placement_on(problem, sensors, **quick).solution.objective for sensors in starts)
     assert place_sensors(problem, starts=starts, **quick).solution.objective <= least
-    narrow = replace(problem, sensor_budget=4.0)
+    narrow = problem.replace(sensor_budget=4.0)
     assert place_sensors(narrow, starts=starts, **quick).cost <= 4
     with pytest.raises(ProblemError, match="elsewhere"):
         place_sensors(problem, starts=[["elsewhere"]])
@@ -58,7 +56,7 @@ def test_a_placement_on_given_sensors_reads_no_others_and_is_the_same_tree_on_it
     problem = readings()
     chosen = placement_on(problem, ("s3", "s1"))
     assert chosen.sensors == ("s1", "s3")
-    assert chosen.problem.n_features == 4
+    assert chosen.problem.samples.n_features == 4
     assert chosen.solution.objective == 0
     worse = placement_on(problem, ("s0", "s2"))
     assert worse.cost == 2.0
@@ -69,11 +67,11 @@ def test_a_placement_on_given_sensors_reads_no_others_and_is_the_same_tree_on_it
 
 
 def test_a_part_of_a_problem_keeps_which_features_may_meet():
-    problem = replace(readings(), split="hyperplane", allowed_splits=[[0, 2], [3, 6], [0, 1]])
+    problem = readings().replace(split="hyperplane", allowed_splits=[[0, 2], [3, 6], [0, 1]])
     part = problem_on(problem, ["s1", "s3"])
-    assert part.allowed_splits == ((0,), (1, 2))
-    assert part.feature_names == ("x2", "x3", "x6", "x7")
-    assert part.sensor_costs.tolist() == [2.0, 4.0]
+    assert part.shape.allowed_splits == ((0,), (1, 2))
+    assert part.samples.feature_names == ("x2", "x3", "x6", "x7")
+    assert part.shape.sensor_costs.tolist() == [2.0, 4.0]
 
 
 def test_the_frontier_is_proven_for_every_number_and_every_cost():
@@ -87,7 +85,7 @@ def test_the_frontier_is_proven_for_every_number_and_every_cost():
     assert objectives == sorted(objectives, reverse=True)
     assert objectives[-1] == 0 < objectives[-2]
     for point in by_cost:
-        assert point.problem.sensor_cost_of(point.solution.tree) <= point.value
+        assert point.problem.shape.sensor_cost_of(point.solution.tree) <= point.value
     with pytest.raises(ProblemError, match="name the values"):
         placement_frontier(problem, "cost")
 

@@ -20,7 +20,7 @@ SLANTED = HyperplaneSplit((0, 1), (100.0, -1.0), 20.0, Split(1, 500.0, Leaf(0), 
 @pytest.mark.parametrize("tree", [AXIS, SLANTED, Leaf(1)])
 def test_every_point_of_the_plane_has_the_tint_of_its_prediction(tree):
     axes = partition_figure(PROBLEM, tree).axes[0]
-    colours = class_colours(PROBLEM.class_names)
+    colours = class_colours(PROBLEM.samples.class_names)
     grid = RNG.random((400, 2)) * [10, 1000]
     cells = [patch for patch in axes.patches if isinstance(patch, Polygon)]
     for point, label in zip(grid, predict(tree, grid), strict=True):

@@ -1,7 +1,6 @@
 """Problems: what is asked is checked once, here, and every wrong question is refused with a cure."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -28,33 +27,33 @@ def problem(**changes):
 
 def test_what_is_left_out_is_filled_in():
     p = problem()
-    assert p.class_names == ("a", "b")
-    assert p.codes.tolist() == [1, 0, 1, 0]
-    assert p.feature_names == ("x0", "x1", "x2") == p.sensors
-    assert p.sensor_costs.tolist() == [1, 1, 1]
-    assert p.weights.tolist() == [1] * 4
+    assert p.samples.class_names == ("a", "b")
+    assert p.samples.codes.tolist() == [1, 0, 1, 0]
+    assert p.samples.feature_names == ("x0", "x1", "x2") == p.shape.sensors
+    assert p.shape.sensor_costs.tolist() == [1, 1, 1]
+    assert p.samples.weights.tolist() == [1] * 4
     assert p.costs.tolist() == [[0, 1], [1, 0]]
-    assert (p.n_samples, p.n_features, p.n_classes, p.max_split_size) == (4, 3, 2, 1)
+    assert (p.samples.n_samples, p.samples.n_features, p.samples.n_classes, p.shape.max_split_size) == (4, 3, 2, 1)
     assert p.baseline == 2
     assert p.has_integer_costs
-    assert p.sensor_limit == np.inf
+    assert p.shape.sensor_limit == np.inf
 
 
 def test_arrays_are_copied_in_and_read_only():
     features = FEATURES.copy()
     p = problem(features=features)
     features[0, 0] = 99.0
-    assert p.features[0, 0] == 0.0
-    for name in ("features", "weights", "costs", "codes", "sensor_costs"):
+    assert p.samples.features[0, 0] == 0.0
+    for array in (p.samples.features, p.samples.weights, p.costs, p.samples.codes, p.shape.sensor_costs):
         with pytest.raises(ValueError, match="read-only"):
-            getattr(p, name)[...] = 0
+            array[...] = 0
 
 
 def test_the_objective_is_cost_times_weight_plus_penalty_for_each_feature_of_each_split():
     p = problem(weights=[1, 2, 3, 4], loss=ClassCosts([[0, 10], [1, 0]]), leaf_penalty=0.5, split="hyperplane")
     tree = Split(0, 1.0, Leaf(0), HyperplaneSplit((0, 2), (1.0, 1.0), 9.0, Leaf(1), Leaf(0)))
     assert p.objective_of(tree, np.array([0, 1, 1, 0])) == 1 * 1 + 2 * 10 + 0 + 0 + 0.5 * 3
-    assert p.objective(tree) == p.objective_of(tree, predict(tree, p.features))
+    assert p.objective(tree) == p.objective_of(tree, predict(tree, p.samples.features))
     assert p.class_costs().tolist() == [4.0, 60.0]
     assert p.baseline == 4.0
     assert p.class_costs(np.array([1])).tolist() == [0.0, 20.0]
@@ -63,24 +62,24 @@ def test_the_objective_is_cost_times_weight_plus_penalty_for_each_feature_of_eac
 def test_a_sensor_is_paid_once_however_many_features_it_gives():
     p = problem(sensor_of_feature=["l", "l", "r"], sensor_cost={"r": 2, "l": 0.5}, sensor_budget=2)
     tree = Split(0, 1.0, Split(1, 1.0, Leaf(0), Leaf(1)), Leaf(1))
-    assert p.sensors == ("l", "r")
-    assert p.sensors_used(tree) == ("l",)
-    assert p.sensor_cost_of(tree) == 0.5
-    assert p.sensor_cost_of(Split(2, 1.0, tree, Leaf(0))) == 2.5 > p.sensor_limit
+    assert p.shape.sensors == ("l", "r")
+    assert p.shape.sensors_used(tree) == ("l",)
+    assert p.shape.sensor_cost_of(tree) == 0.5
+    assert p.shape.sensor_cost_of(Split(2, 1.0, tree, Leaf(0))) == 2.5 > p.shape.sensor_limit
 
 
 def test_decimal_costs_that_add_up_to_the_budget_are_within_it():
     p = problem(sensor_cost=[0.1, 0.2, 5], sensor_budget=0.3)
     assert 0.1 + 0.2 > 0.3
-    assert p.sensor_cost_of(Split(0, 1.0, Split(1, 1.0, Leaf(0), Leaf(1)), Leaf(1))) <= p.sensor_limit
+    assert p.shape.sensor_cost_of(Split(0, 1.0, Split(1, 1.0, Leaf(0), Leaf(1)), Leaf(1))) <= p.shape.sensor_limit
 
 
 def test_features_may_meet_only_in_allowed_groups():
     p = problem(split="hyperplane", split_size=2, allowed_splits=[["x0", 2], [1]])
-    assert p.is_allowed((0, 2))
-    assert p.is_allowed((1,))
-    assert not p.is_allowed((0, 1))
-    assert not p.is_allowed((0, 1, 2))
+    assert p.shape.is_allowed((0, 2))
+    assert p.shape.is_allowed((1,))
+    assert not p.shape.is_allowed((0, 1))
+    assert not p.shape.is_allowed((0, 1, 2))
     assert "x1" in str(first_forbidden_split(p, HyperplaneSplit((0, 1), (1.0, 1.0), 0.0, Leaf(0), Leaf(1))))
 
 
@@ -180,10 +179,10 @@ FRAME = pd.DataFrame({"age": [1.0, 2.0, 3.0, 4.0], "dose": [0, 1, 0, 1]})
 
 def test_a_data_frame_gives_its_names_to_features_and_sensors():
     asked = Problem(FRAME, pd.Series(["a", "b", "a", "b"], index=[4, 3, 2, 1]), depth=1)
-    assert asked.feature_names == asked.sensors == ("age", "dose")
-    assert asked.targets.tolist() == ["a", "b", "a", "b"]
-    assert Problem(FRAME, [0, 1, 0, 1], depth=1, feature_names=("u", "v")).feature_names == ("u", "v")
-    assert Problem(pd.DataFrame(FRAME.to_numpy()), [0, 1, 0, 1], depth=1).feature_names == ("x0", "x1")
+    assert asked.samples.feature_names == asked.shape.sensors == ("age", "dose")
+    assert asked.samples.targets.tolist() == ["a", "b", "a", "b"]
+    assert Problem(FRAME, [0, 1, 0, 1], depth=1, feature_names=("u", "v")).samples.feature_names == ("u", "v")
+    assert Problem(pd.DataFrame(FRAME.to_numpy()), [0, 1, 0, 1], depth=1).samples.feature_names == ("x0", "x1")
 
 
 @pytest.mark.parametrize(
@@ -209,9 +208,9 @@ def test_columns_of_a_data_frame_that_are_no_numbers_are_all_named(column):
 
 def test_a_problem_of_some_samples_keeps_that_readings_may_be_missing():
     found = Problem([[1.0], [np.nan], [2.0]], [0, 1, 1], depth=1)
-    assert replace(found, features=found.features[[0, 2]], targets=[0, 1], weights=None).takes_missing
-    assert not problem().takes_missing
-    assert replace(problem(), features=np.full((4, 3), np.nan)).takes_missing
+    assert found.replace(features=found.samples.features[[0, 2]], targets=[0, 1], weights=None).samples.takes_missing
+    assert not problem().samples.takes_missing
+    assert problem().replace(features=np.full((4, 3), np.nan)).samples.takes_missing
 
 
 def test_missing_readings_have_one_digest_whatever_their_bits():
@@ -233,15 +232,16 @@ def test_a_problem_shows_its_size_and_settings_and_no_arrays():
 
 def test_a_table_that_nobody_can_write_to_is_not_copied():
     table, labels = np.array([[0.0, np.nan], [1.0, 2.0]]), [0, 1]
-    assert not np.shares_memory(Problem(table, labels, depth=1).features, table)
+    assert not np.shares_memory(Problem(table, labels, depth=1).samples.features, table)
     table.flags.writeable = False
     problem = Problem(table, labels, depth=1)
-    assert problem.features is table
-    assert replace(problem, depth=2).features is table
-    assert not np.shares_memory(Problem(table[:], labels, depth=1).features, table), "its base may be written to"
+    assert problem.samples.features is table
+    assert problem.replace(depth=2).samples.features is table
+    view = Problem(table[:], labels, depth=1)
+    assert not np.shares_memory(view.samples.features, table), "its base may be written to"
     odd = np.array([[0.0, -np.nan], [1.0, 2.0]])
     odd.flags.writeable = False
-    assert np.array_equal(Problem(odd, labels, depth=1).features.view(np.int64), table.view(np.int64))
+    assert np.array_equal(Problem(odd, labels, depth=1).samples.features.view(np.int64), table.view(np.int64))
 
 
 def single(features):
@@ -260,7 +260,7 @@ def test_a_float32_table_is_kept_and_stands_for_its_values_as_float64(missing):
     labels = (values[:, 0] > 1) * 1 + (rng.random(300) < 0.1)
     narrow = Problem(single(values), labels, depth=2)
     wide = Problem(values.astype(np.float64), labels, depth=2)
-    assert (narrow.features.dtype, wide.features.dtype) == (np.float32, np.float64)
+    assert (narrow.samples.features.dtype, wide.samples.features.dtype) == (np.float32, np.float64)
     assert (narrow.digest(), data_digest(narrow)) == (wide.digest(), data_digest(wide))
     found, known = branch_and_bound(narrow), branch_and_bound(wide)
     assert (found.tree, found.objective, found.n_nodes) == (known.tree, known.objective, known.n_nodes)
@@ -271,10 +271,10 @@ def test_a_float32_table_is_kept_and_stands_for_its_values_as_float64(missing):
 
 def test_only_axis_aligned_splits_and_tables_that_nobody_writes_to_keep_float32():
     table = single(FEATURES)
-    assert Problem(table, LABELS, depth=2).features is table
-    assert Problem(table, LABELS, depth=2, split="hyperplane").features.dtype == np.float64
-    assert Problem(table.copy(), LABELS, depth=2).features.dtype == np.float64
-    assert Problem(FEATURES, LABELS, depth=2, weights=np.ones(4, dtype=np.float32)).weights.dtype == np.float64
+    assert Problem(table, LABELS, depth=2).samples.features is table
+    assert Problem(table, LABELS, depth=2, split="hyperplane").samples.features.dtype == np.float64
+    assert Problem(table.copy(), LABELS, depth=2).samples.features.dtype == np.float64
+    assert Problem(FEATURES, LABELS, depth=2, weights=np.ones(4, dtype=np.float32)).samples.weights.dtype == np.float64
 
 
 def test_a_table_is_read_in_blocks_of_rows(monkeypatch):
@@ -283,4 +283,4 @@ def test_a_table_is_read_in_blocks_of_rows(monkeypatch):
     monkeypatch.setattr(problem_values, "BLOCK", 2)
     assert problem().digest() == whole
     p = Problem(lacking, [0, 1, 1], depth=1)
-    assert (p.n_missing, p.features_with_missing) == (3, (0, 1))
+    assert (p.samples.n_missing, p.samples.features_with_missing) == (3, (0, 1))

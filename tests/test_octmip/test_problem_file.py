@@ -34,8 +34,8 @@ def test_every_limit_of_the_trees_is_part_of_what_is_asked() -> None:
 def test_a_file_holds_every_number_to_the_last_bit() -> None:
     for problem in problems():
         file = json.loads(json.dumps(encode(problem), allow_nan=False))
-        assert np.array_equal(file["features"], problem.features)
-        assert np.array_equal(file["weights"], problem.weights)
+        assert np.array_equal(file["features"], problem.samples.features)
+        assert np.array_equal(file["weights"], problem.samples.weights)
         assert np.array_equal(file["costs"], problem.costs)
-        assert file["labels"] == problem.codes.tolist()
-        assert file["sensor_limit"] == (problem.sensor_limit if np.isfinite(problem.sensor_limit) else None)
+        assert file["labels"] == problem.samples.codes.tolist()
+        assert file["sensor_limit"] == (problem.shape.sensor_limit if np.isfinite(problem.shape.sensor_limit) else None)

@@ -48,8 +48,9 @@ def test_no_log_proves_more_than_the_optimum(log):
             text = proof_log(problem, keep=keep, seed=number)
             proven += accepted(problem, log(text))
             more = text.replace(f"claim {best}", f"claim {best + 1}")
-            for leaf in {1, problem.leaf_size}:
-                more = more.replace(f"\nN {problem.depth} {leaf} {best}\n", f"\nN {problem.depth} {leaf} {best + 1}\n")
+            for leaf in {1, problem.shape.leaf_size}:
+                node = f"\nN {problem.shape.depth} {leaf} "
+                more = more.replace(f"{node}{best}\n", f"{node}{best + 1}\n")
             assert not accepted(problem, log(more))
     assert 30 < proven < 90
 
@@ -80,8 +81,8 @@ def test_a_bound_is_proven_on_several_threads_too(log):
 
 
 def test_real_weights_are_rounded_down_on_the_grid_of_the_header(log):
-    problem = Problem(STRIPES.features, STRIPES.targets, depth=2, weights=[0.7, 0.3, 0.9, 1.0, 0.4, 0.2])
-    on_grid = Problem(STRIPES.features, STRIPES.targets, depth=2, weights=np.floor(problem.weights * 16))
+    problem = STRIPES.replace(depth=2, weights=[0.7, 0.3, 0.9, 1.0, 0.4, 0.2])
+    on_grid = problem.replace(weights=np.floor(problem.samples.weights * 16))
     data = [line for line in proof_log(problem).splitlines() if line.startswith(("data", "question"))]
     lines = proof_log(on_grid).splitlines()
     lines[1:3], lines[3] = data, "grid 4 0"
@@ -120,7 +121,7 @@ def test_a_log_that_proves_nothing_is_refused_with_line_and_reason(log, change, 
 )
 def test_a_log_of_another_problem_is_refused(log, options, line):
     path = log(proof_log(STRIPES))
-    changed = {"features": STRIPES.features, "targets": STRIPES.targets, "depth": 2} | options
+    changed = {"features": STRIPES.samples.features, "targets": STRIPES.samples.targets, "depth": 2} | options
     problem = Problem(changed.pop("features"), changed.pop("targets"), **changed)
     with pytest.raises(CertificateError, match=f"line {line}: "):
         check_proof(problem, path)

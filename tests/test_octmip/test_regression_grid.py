@@ -36,7 +36,8 @@ def leaf_as_counted(problem):
 
 def leaf_in_truth(problem):
     """Return the squared error of the best leaf, exactly: that of the mean, which float64 may not hold."""
-    weights, targets = ([Fraction(x) for x in array.tolist()] for array in (problem.weights, problem.targets))
+    samples = problem.samples
+    weights, targets = ([Fraction(x) for x in array.tolist()] for array in (samples.weights, samples.targets))
     first = sum(w * y for w, y in zip(weights, targets, strict=True))
     return sum(w * y * y for w, y in zip(weights, targets, strict=True)) - first * first / sum(weights)
 
@@ -85,9 +86,11 @@ def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch)
     n_early = 0
     for seed in range(12):
         drawn = random_problem(np.random.default_rng([77, seed]), loss, max_samples=9)
-        costs = np.arange(1.0, drawn.n_features + 1)
-        columns = drawn.features + 0.01 * np.arange(len(drawn.features))[:, None]
-        problem = Problem(columns, drawn.targets, depth=3, loss=number_loss(loss), sensor_cost=costs, sensor_budget=3)
+        costs = np.arange(1.0, drawn.samples.n_features + 1)
+        columns = drawn.samples.features + 0.01 * np.arange(drawn.samples.n_samples)[:, None]
+        problem = Problem(
+            columns, drawn.samples.targets, depth=3, loss=number_loss(loss), sensor_cost=costs, sensor_budget=3
+        )
         least = least_objective(problem)
         for last in range(1, 6):
             calls = count(1)

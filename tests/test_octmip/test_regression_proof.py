@@ -74,14 +74,14 @@ def test_a_log_without_one_of_its_lines_is_refused(loss: str, tmp_path: Path) ->
 def test_a_log_of_other_data_or_of_another_question_is_refused(tmp_path: Path) -> None:
     problem, path = strains("absolute", depth=2), tmp_path / "proof.log"
     exact_regression(problem, options=ExactOptions(proof=path))
-    targets = problem.targets.copy()
+    targets = problem.samples.targets.copy()
     targets[7] += 20.0
-    changed = Problem(problem.features, targets, depth=2, loss=AbsoluteError())
+    changed = Problem(problem.samples.features, targets, depth=2, loss=AbsoluteError())
     with pytest.raises(CertificateError, match='line 2: got "data '):
         check_proof(changed, path)
     for other in (
         strains("absolute", depth=3),
-        Problem(problem.features, problem.targets, depth=2, loss=SquaredError()),
+        Problem(problem.samples.features, problem.samples.targets, depth=2, loss=SquaredError()),
     ):
         with pytest.raises(CertificateError, match=r"line [13]: got"):
             check_proof(other, path)

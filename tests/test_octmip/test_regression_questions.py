@@ -1,7 +1,5 @@
 """What the search for regression trees asks at a node: each choice on samples made to decide it."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -16,9 +14,9 @@ SQUARE = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]])
 
 def asked(problem: Problem) -> Split | HyperplaneSplit | None:
     """Return the question for all samples of a problem."""
-    rows, targets = np.arange(problem.n_samples), problem.targets
-    samples = Samples(problem, rows, np.arange(problem.n_features))
-    return samples.best(by_means(problem.weights, targets), targets - targets.mean())
+    rows, targets = np.arange(problem.samples.n_samples), problem.samples.targets
+    samples = Samples(problem, rows, np.arange(problem.samples.n_features))
+    return samples.best(by_means(problem.samples.weights, targets), targets - targets.mean())
 
 
 @pytest.mark.parametrize(("price", "kind"), [(0.0, HyperplaneSplit), (5.9, HyperplaneSplit), (6.1, Split)])
@@ -26,14 +24,14 @@ def test_a_hyperplane_pays_for_its_second_feature(price: float, kind: type) -> N
     """One corner is higher: a line errs by 0, a cut of one feature by half of its square, 6."""
     targets = [0.0, 0.0, 0.0, np.sqrt(12.0)]
     problem = Problem(SQUARE, targets, depth=1, split="hyperplane", split_size=2, loss=SquaredError())
-    problem = replace(problem, leaf_penalty=price)
+    problem = problem.replace(leaf_penalty=price)
     assert isinstance(asked(problem), kind)
 
 
 def test_both_sides_of_a_question_have_a_leafs_samples() -> None:
     targets = np.array([0.0, 0.0, 0.0, 1.0, 9.0])
     problem = Problem(np.arange(5.0)[:, None], targets, depth=1, leaf_size=2, loss=SquaredError())
-    for features in (problem.features, -problem.features):
+    for features in (problem.samples.features, -problem.samples.features):
         turned = Problem(features, targets, depth=1, leaf_size=2, loss=SquaredError())
         question = asked(turned)
         assert question is not None

@@ -58,8 +58,8 @@ def test_the_cautious_decision_is_right_from_the_ratio_of_prices_on():
 
 def test_a_decision_problem_weighs_each_sample_by_the_regret_of_the_wrong_decision():
     problem = RiskModel().decision_problem(np.arange(8.0).reshape(4, 2), LOSSES, depth=1)
-    assert problem.class_names == ("3 g allowed", "2 g only")
-    assert (problem.codes.tolist(), problem.weights.tolist()) == ([0, 0, 1, 1], [1, 1, 9, 9])
+    assert problem.samples.class_names == ("3 g allowed", "2 g only")
+    assert (problem.samples.codes.tolist(), problem.samples.weights.tolist()) == ([0, 0, 1, 1], [1, 1, 9, 9])
 
 
 def test_a_state_problem_adds_what_a_wrong_state_leads_to():
@@ -82,7 +82,7 @@ def test_every_solver_answers_the_same_objective_and_its_certificate_says_it(ask
     for method, solution in {"exact": exact, **found}.items():
         certificate = certify(problem, solution)
         predicted = predict(solution.tree, features)
-        paid = problem.weights * problem.costs[problem.codes, predicted]
+        paid = problem.samples.weights * problem.costs[problem.samples.codes, predicted]
         assert certificate.objective == pytest.approx(paid.sum()), method
         assert certificate.objective >= exact.bound - 1e-9, method
         assert solution.bound <= exact.objective + 1e-9, method

@@ -41,7 +41,7 @@ def test_weighted_rows_cost_every_tree_the_same_but_for_the_base():
     for seed in range(40):
         problem = sample_problem(np.random.default_rng(seed))
         made = weighted_rows(problem)
-        for label in range(problem.n_classes):
+        for label in range(problem.samples.n_classes):
             tree = Split(0, 2.5, Leaf(label), Leaf(0))
             more = problem.exact_objective(tree) - made.rows.exact_objective(tree) - made.base
             assert 0 <= more <= made.spread

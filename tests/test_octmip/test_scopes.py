@@ -1,7 +1,6 @@
 """A scope is said whole: nothing that narrows it is left out of its words, and no tree inside is below the bound."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -75,7 +74,7 @@ def test_limits_that_enumeration_does_not_know_are_named_too():
     assert scope_of(problem, solve(problem, "exact")).endswith(
         "with a weight of 3 or more in each leaf, in the order asked for"
     )
-    lines = replace(noisy(depth=1, split="hyperplane", split_size=2), allowed_splits=[[0, 1]], integer_normals=3)
+    lines = noisy(depth=1, split="hyperplane", split_size=2).replace(allowed_splits=[[0, 1]], integer_normals=3)
     words = scope_of(lines, solve(lines, "cart"))
     assert words.startswith(
         "trees of depth 1 or less, with up to 2 features in a split, with whole coefficients up to 3"

@@ -35,7 +35,7 @@ def test_perturbations_of_deep_trees_keep_every_constraint_and_the_objective_of_
     seen = set()
     for seed in range(60):
         problem = random_problem(rng, max_samples=40, max_features=5, max_depth=4)
-        if problem.depth < 3:
+        if problem.shape.depth < 3:
             continue  # cuts are shifted and subtrees rebuilt from three levels on
         solution = local_search(problem, seed=seed, options=SearchOptions(restarts=2, perturbations=6))
         certificate = certify(problem, solution)
@@ -46,12 +46,12 @@ def test_perturbations_of_deep_trees_keep_every_constraint_and_the_objective_of_
 
 def _complications(problem):
     return {
-        "weights": len(set(problem.weights)) > 1,
+        "weights": len(set(problem.samples.weights)) > 1,
         "costs": not np.array_equal(problem.costs, 1 - np.eye(len(problem.costs))),
-        "leaf_size": problem.leaf_size > 1,
-        "leaf_penalty": problem.leaf_penalty > 0,
-        "sensor_budget": problem.sensor_budget is not None,
-        "allowed_splits": problem.allowed_splits is not None,
+        "leaf_size": problem.shape.leaf_size > 1,
+        "leaf_penalty": problem.shape.leaf_penalty > 0,
+        "sensor_budget": problem.shape.sensor_budget is not None,
+        "allowed_splits": problem.shape.allowed_splits is not None,
     }
 
 

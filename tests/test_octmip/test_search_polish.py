@@ -20,13 +20,13 @@ def random_hyperplanes(rng, problem: Problem, depth: int) -> Node:
     """Return a tree of random hyperplanes through random samples, integer normals where the problem wants them."""
     if depth == 0:
         return Leaf(0)
-    features = np.flatnonzero(rng.random(problem.n_features) < 0.7)
+    features = np.flatnonzero(rng.random(problem.samples.n_features) < 0.7)
     if len(features) == 0:
         return Leaf(0)
     normal = rng.integers(1, 4, len(features)) * rng.choice([-1.0, 1.0], len(features))
-    if problem.integer_normals is None:
+    if problem.shape.integer_normals is None:
         normal = rng.normal(size=len(features))
-    heights = problem.features[:, features] @ normal
+    heights = problem.samples.features[:, features] @ normal
     return HyperplaneSplit(
         tuple(int(f) for f in features),
         tuple(float(c) for c in normal),
@@ -43,10 +43,10 @@ def test_every_sample_stays_in_its_leaf_and_no_plane_gains_a_feature(seed):
     problem = hyperplane_problem(rng, max_samples=40, max_features=5)
     tree = random_hyperplanes(rng, problem, 3)
     simple = polished(problem, tree)
-    assert np.array_equal(leaf_index(simple, problem.features), leaf_index(tree, problem.features))
+    assert np.array_equal(leaf_index(simple, problem.samples.features), leaf_index(tree, problem.samples.features))
     for before, after in zip(splits(tree), splits(simple), strict=True):
         assert set(after.features) <= set(before.features)
-        if problem.integer_normals is not None:
+        if problem.shape.integer_normals is not None:
             assert set(after.coefficients) <= set(before.coefficients)
 
 
@@ -105,4 +105,4 @@ def test_polishing_that_is_stopped_at_any_step_moves_no_sample(n_steps):
     plane = HyperplaneSplit((0, 1, 2), (0.123456789, 1.0, -0.777), 0.1, Leaf(0), Leaf(1))
     left = iter(range(n_steps))
     stopped = polished(problem, plane, lambda: next(left, None) is not None)
-    assert np.array_equal(leaf_index(stopped, problem.features), leaf_index(plane, problem.features))
+    assert np.array_equal(leaf_index(stopped, problem.samples.features), leaf_index(plane, problem.samples.features))

@@ -19,12 +19,14 @@ from tests.oracles.strategies import random_problem
 def random_labels(rng: np.random.Generator, n_labels: int) -> list[Problem]:
     """Return problems over the same features and sensors, each with labels, costs and weights of its own."""
     first = random_problem(rng, max_samples=9, max_features=4, max_depth=2)
-    price = rng.choice([0.0, 0.5, 1.0, 2.0, 0.1], first.n_features) if rng.random() < 0.5 else np.ones(first.n_features)
+    p = first.samples.n_features
+    price = rng.choice([0.0, 0.5, 1.0, 2.0, 0.1], p) if rng.random() < 0.5 else np.ones(p)
     problems = []
     for _ in range(n_labels):
-        codes = rng.permutation(first.codes)
-        own = replace(first, targets=np.array(first.class_names)[codes], sensor_cost=None, sensor_of_feature=None)
-        problems.append(replace(own, sensor_budget=None, sensor_cost=price.tolist(), allowed_splits=None))
+        codes = rng.permutation(first.samples.codes)
+        labels = np.array(first.samples.class_names)[codes]
+        own = first.replace(targets=labels, sensor_cost=None, sensor_of_feature=None)
+        problems.append(own.replace(sensor_budget=None, sensor_cost=price.tolist(), allowed_splits=None))
     return problems
 
 
@@ -44,12 +46,12 @@ def rivals(rng: np.random.Generator) -> list[Problem]:
 
 def joint_optimum(problems: list[Problem], weights: list[float], budget: float) -> float:
     """Return the least weighted sum over every set of sensors within the budget, each label enumerated on the set."""
-    names, least = problems[0].sensors, math.inf
+    names, least = problems[0].shape.sensors, math.inf
     for size in range(len(names) + 1):
         for chosen in combinations(range(len(names)), size):
-            if math.fsum(problems[0].sensor_costs[list(chosen)]) <= budget + 1e-9 * max(1.0, budget):
+            if math.fsum(problems[0].shape.sensor_costs[list(chosen)]) <= budget + 1e-9 * max(1.0, budget):
                 allowed = [[j] for j in chosen]
-                found = [optimum(replace(p, allowed_splits=allowed)).objective for p in problems]
+                found = [optimum(p.replace(allowed_splits=allowed)).objective for p in problems]
                 least = min(least, math.fsum(w * value for w, value in zip(weights, found, strict=True)))
     return least
 
@@ -152,8 +154,8 @@ def forged(joint: JointSolution) -> dict[str, JointSolution]:
     first, second = joint.solutions
     return {
         "bound": replace(joint, bound=joint.objective + 1),
-        "budget": replace(joint, problems=tuple(replace(p, sensor_budget=0.5) for p in joint.problems)),
-        "one budget": replace(joint, problems=(joint.problems[0], replace(joint.problems[1], sensor_budget=9.0))),
+        "budget": replace(joint, problems=tuple(p.replace(sensor_budget=0.5) for p in joint.problems)),
+        "one budget": replace(joint, problems=(joint.problems[0], joint.problems[1].replace(sensor_budget=9.0))),
         "objective": replace(joint, solutions=(replace(first, objective=0.5), second)),
         "optimal": replace(joint, bound=joint.objective - 1),
     }
@@ -171,7 +173,7 @@ def test_trees_that_together_break_the_budget_are_refuted():
     problems = gauges_for_two()
     joint = shared_budget(problems, 2.0)
     assert joint.sensors == ("a", "b")
-    narrow = tuple(replace(problem, sensor_budget=1.0) for problem in joint.problems)
+    narrow = tuple(problem.replace(sensor_budget=1.0) for problem in joint.problems)
     with pytest.raises(CertificateError, match="together"):
         certify_joint(replace(joint, problems=narrow))
 
@@ -180,13 +182,13 @@ def test_wrong_input_is_named():
     problems = gauges_for_two()
     for wrong, sentence in (
         (lambda: shared_budget([], 1.0), "empty"),
-        (lambda: shared_budget([replace(problems[0], sensor_budget=1.0)], 1.0), "budget of their own"),
-        (lambda: shared_budget([problems[0], replace(problems[1], sensor_cost=[2, 1, 1, 1])], 1.0), "one cost"),
+        (lambda: shared_budget([problems[0].replace(sensor_budget=1.0)], 1.0), "budget of their own"),
+        (lambda: shared_budget([problems[0], problems[1].replace(sensor_cost=[2, 1, 1, 1])], 1.0), "one cost"),
         (lambda: shared_budget(problems, 1.0, weights=[1.0]), "2 finite numbers"),
         (lambda: shared_budget(problems, 1.0, weights=[-1.0, 1.0]), "2 finite numbers"),
         (lambda: shared_budget(problems, -1.0), "sensor_budget"),
         (lambda: shared_budget(problems, 1.0, method="oct"), "'exact' or 'search'"),
-        (lambda: shared_budget([replace(problems[0], split="hyperplane")], 1.0, method="exact"), "hyperplanes"),
+        (lambda: shared_budget([problems[0].replace(split="hyperplane")], 1.0, method="exact"), "hyperplanes"),
     ):
         with pytest.raises(ProblemError, match=sentence):
             wrong()

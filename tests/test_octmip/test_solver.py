@@ -50,7 +50,7 @@ def registered(monkeypatch):
 
 def test_auto_is_exact_for_axis_and_search_for_hyperplanes():
     assert solver.chosen_method(STRIPES, "auto") == "exact"
-    hyperplane = Problem(STRIPES.features, STRIPES.targets, depth=1, split="hyperplane")
+    hyperplane = Problem(STRIPES.samples.features, STRIPES.samples.targets, depth=1, split="hyperplane")
     assert solver.chosen_method(hyperplane, "auto") == "search"
     with pytest.raises(ProblemError, match=r"method 'oct' finds no hyperplane trees .*; expected one of auto, cart"):
         solver.chosen_method(hyperplane, "oct")
@@ -59,7 +59,7 @@ def test_auto_is_exact_for_axis_and_search_for_hyperplanes():
 def test_a_proof_starts_from_a_tree_of_search(registered):
     exact = registered("exact", answering())
     registered("search", answering(bound=-math.inf, stop=Stop.FINISHED), proves=False)
-    solve(dataclasses.replace(STRIPES, depth=5), limits=Limits(seconds=100), seed=3, n_jobs=2)
+    solve(STRIPES.replace(depth=5), limits=Limits(seconds=100), seed=3, n_jobs=2)
     call = exact.calls[0]
     assert call["incumbent"] == ZERO_ERRORS
     assert call["seed"] == 3
@@ -131,7 +131,7 @@ def test_ctrl_c_in_the_search_returns_a_tree_without_starting_the_proof(register
 
     registered("search", interrupted, proves=False)
     exact = registered("exact", answering())
-    solution = solve(dataclasses.replace(STRIPES, depth=5))
+    solution = solve(STRIPES.replace(depth=5))
     assert not exact.calls
     assert solution.stop is Stop.INTERRUPTED
     certify(STRIPES, solution)

@@ -1,7 +1,5 @@
 """Trees of any depth where splits have a price: exact, kept by every door and file, refused where unknown."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -28,7 +26,7 @@ def priced(price: float, **more: object) -> Problem:
 def test_no_bound_costs_the_optimum(prune):
     for seed in range(25):
         problem = drawn(1000 + seed)
-        if problem.is_shaped:
+        if problem.shape.is_shaped:
             continue
         with native_call.without(prune):
             found = solve(problem, "exact").objective
@@ -61,14 +59,14 @@ def test_threads_change_nothing_though_nodes_are_kept(values):
 
 def test_the_depth_follows_the_price_and_a_depth_that_is_given_stays():
     problem = priced(2.0)
-    assert problem.any_depth
+    assert problem.shape.any_depth
     assert "depth=any" in repr(problem)
-    assert problem.depth * 2.0 >= problem.baseline
-    assert replace(problem, leaf_penalty=20.0).depth < problem.depth
-    fixed = replace(problem, depth=3)
-    assert not fixed.any_depth
-    assert fixed.depth == 3
-    assert priced(0.0, max_splits=4).depth == 4
+    assert problem.shape.depth * 2.0 >= problem.baseline
+    assert problem.replace(leaf_penalty=20.0).shape.depth < problem.shape.depth
+    fixed = problem.replace(depth=3)
+    assert not fixed.shape.any_depth
+    assert fixed.shape.depth == 3
+    assert priced(0.0, max_splits=4).shape.depth == 4
 
 
 def test_what_has_no_price_is_refused():
@@ -82,7 +80,7 @@ def test_a_tree_deeper_than_any_that_pays_is_one_of_the_problem():
     problem, tree = priced(15.0), Leaf(0)
     for cut in np.sort(FEATURES[:, 0])[1:6]:
         tree = Split(0, float(cut), tree, Leaf(1))
-    assert depth(tree) > problem.depth
+    assert depth(tree) > problem.shape.depth
     assert solve(problem, "exact", incumbent=tree).is_optimal
 
 

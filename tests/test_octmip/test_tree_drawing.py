@@ -28,13 +28,13 @@ TREE = Split(0, 0.1, Split(1, -0.3, Leaf(0), Leaf(1)), Split(1, 0.4, Split(0, 0.
 
 
 def drawing_of(problem, tree, histograms=False, way=None):
-    names = Wording(problem.feature_names, problem.class_names)
+    names = Wording(problem.samples.feature_names, problem.samples.class_names)
     return draw_tree(tree, names, leaf_counts(problem, tree), seen=Seen.of(problem, tree, histograms), way=way)
 
 
 @pytest.mark.parametrize("histograms", [False, True])
 def test_no_box_of_a_drawing_lies_on_another(histograms):
-    long = Problem(POINTS, PROBLEM.codes, depth=3, feature_names=("a" * 90, "b"), class_names=(0, 1, 2))
+    long = Problem(POINTS, PROBLEM.samples.codes, depth=3, feature_names=("a" * 90, "b"), class_names=(0, 1, 2))
     drawing = drawing_of(long, TREE, histograms)
     places = [(b.left, b.left + b.width, b.y, b.y + b.height) for b in drawing.boxes]
     assert all(left >= 0 and right <= drawing.width and bottom <= drawing.height for left, right, _, bottom in places)
@@ -47,7 +47,7 @@ def test_no_box_of_a_drawing_lies_on_another(histograms):
 
 @pytest.mark.parametrize("name", ["OQGDHN" * 3, "漢字", "illicit wares " * 9])
 def test_every_text_of_a_figure_lies_in_its_box(name):
-    labels = np.array([name, "a", "b"])[PROBLEM.codes]
+    labels = np.array([name, "a", "b"])[PROBLEM.samples.codes]
     problem = Problem(POINTS, labels, depth=2, feature_names=(name, "b"))
     low = Split(0, -123456.5, Leaf(0), HyperplaneSplit((0, 1), (2.5, -1.25), 1.5, Leaf(1), Leaf(2)))
     figure = tree_figure(problem, low, histograms=True)
@@ -65,7 +65,7 @@ def test_every_text_of_a_figure_lies_in_its_box(name):
 def test_bars_left_of_the_mark_are_the_samples_that_go_left():
     box = drawing_of(PROBLEM, TREE, histograms=True).boxes[1]
     here = POINTS[:, 0] <= 0.1
-    codes, goes_left = PROBLEM.codes[here], POINTS[here, 1] <= -0.3
+    codes, goes_left = PROBLEM.samples.codes[here], POINTS[here, 1] <= -0.3
     high = sum(bar.height for bar in box.bars)
     for label in range(3):
         left = sum(bar.height for bar in box.bars if bar.label == label and bar.x < box.mark[0] - 1e-9)
@@ -101,7 +101,7 @@ def test_the_way_of_a_sample_is_lit_in_svg_and_figure():
 def test_yes_is_on_the_left_where_the_tree_has_it_on_the_right_and_the_histogram_too():
     table = pd.DataFrame({"colour": ["red"] * 4 + ["blue"] * 3 + ["green"] * 3})
     model = OptimalTreeClassifier(max_depth=1).fit(table, ["a"] * 4 + ["b"] * 6)
-    wording = Wording(model.problem_.feature_names, model.classes_, model.columns_)
+    wording = Wording(model.problem_.samples.feature_names, model.classes_, model.columns_)
     counts, seen = leaf_counts(model.problem_, model.tree_), Seen.of(model.problem_, model.tree_, histograms=True)
     split, one, other = draw_tree(model.tree_, wording, counts, seen=seen).boxes
     assert split.text.lines == ("colour", "is red?")

@@ -75,7 +75,7 @@ def test_everything_comes_back_the_same(tmp_path):
     assert back.solution == solution
     assert back.target_column == "y"
     assert back.weights_column == "w"
-    again = back.problem(problem.features, problem.targets, problem.weights)
+    again = back.problem(problem.samples.features, problem.samples.targets, problem.samples.weights)
     assert again.digest() == problem.digest() == back.sha256
     assert certify(again, back.solution) == certify(problem, solution)
     assert back.leaf_counts.sum() == 40
@@ -105,11 +105,15 @@ def test_a_tree_is_told_by_names_to_a_problem_of_another_order(tmp_path):
     file = record_tree(problem, Solution(tree, 9.0, 1.5, Stop.TIME, 0.1, 5, "search", "1", 0))
     order = [2, 1, 0]
     turned = Problem(
-        problem.features[:, order], problem.targets, depth=2, feature_names="cba", class_names=("low", "high")
+        problem.samples.features[:, order],
+        problem.samples.targets,
+        depth=2,
+        feature_names="cba",
+        class_names=("low", "high"),
     )
     retold = tree_for(turned, file)
-    told = np.array(problem.class_names)[predict(tree, problem.features)]
-    assert (np.array(turned.class_names)[predict(retold, turned.features)] == told).all()
+    told = np.array(problem.samples.class_names)[predict(tree, problem.samples.features)]
+    assert (np.array(turned.samples.class_names)[predict(retold, turned.samples.features)] == told).all()
 
 
 def test_a_bound_that_was_not_proven_is_null(tmp_path):

@@ -52,7 +52,8 @@ def test_a_tree_with_sides_for_missing_readings_comes_back(tmp_path):
     assert file.preparation == Preparation(columns, None, "all", None)
     assert file.settings["takes_missing"]
     assert all(split.missing is not None for split in splits(file.tree))
-    assert file.problem(problem.features, problem.targets, problem.weights).digest() == file.sha256
+    samples = problem.samples
+    assert file.problem(samples.features, samples.targets, samples.weights).digest() == file.sha256
     content = json.loads(path.read_text())
     content["tree"]["missing"] = "up"
     path.write_text(json.dumps(content))

@@ -46,8 +46,8 @@ def xor(n: int = 200, depth: int = 2) -> Problem:
 
 def drawn_from(problem: Problem) -> Samples:
     """Return a quarter of the samples, as if they were others."""
-    rows = np.random.default_rng(0).permutation(problem.n_samples)[: problem.n_samples // 4]
-    return Samples(problem.features[rows], problem.codes[rows], problem.weights[rows])
+    rows = np.random.default_rng(0).permutation(problem.samples.n_samples)[: problem.samples.n_samples // 4]
+    return Samples(problem.samples.features[rows], problem.samples.codes[rows], problem.samples.weights[rows])
 
 
 @pytest.fixture(scope="module")
@@ -174,11 +174,11 @@ def test_the_samples_in_a_page_are_those_of_their_leaf_and_no_more_than_there_is
     tree = Split(7, 0.0, Leaf(0), Leaf(1))
     file = record_tree(problem, Solution(tree, 0.0, 0.0, Stop.OPTIMAL, 0.0, 1, "exact", "1", 0))
     evidence = gather(file, problem, seconds=0)
-    data = sample_data(evidence, measure_of(file), Wording(problem.feature_names, problem.class_names))
+    data = sample_data(evidence, measure_of(file), Wording(problem.samples.feature_names, problem.samples.class_names))
     assert [len(rows) for rows in data["leaves"]] == [MOST_ROWS, MOST_ROWS]
-    assert data["columns"][0] == problem.feature_names[7]
+    assert data["columns"][0] == problem.samples.feature_names[7]
     assert len(data["columns"]) == 12
-    reached = leaf_index(tree, problem.features)
+    reached = leaf_index(tree, problem.samples.features)
     assert all(reached[row[0] - 1] == leaf for leaf, rows in enumerate(data["leaves"]) for row in rows)
     assert sum(len(row) for rows in data["leaves"] for row in rows) <= MOST_CELLS + 3 * 2 * MOST_ROWS
     assert len(tree_page(file, "t.json", evidence)) < 200_000
@@ -231,7 +231,7 @@ def test_every_training_sample_goes_the_same_way_in_the_page_and_in_the_tree(bro
     path.write_text(tree_page(file, "t.json", dataclasses.replace(gather(file, problem, seconds=0), table=table)))
     page = browser.new_page()
     page.goto(path.as_uri())
-    reached, labels = leaf_index(file.tree, problem.features), [leaf.label for leaf in leaves(file.tree)]
+    reached, labels = leaf_index(file.tree, problem.samples.features), [leaf.label for leaf in leaves(file.tree)]
     for row in range(5):
         while page.locator("#ask").is_visible():
             if page.locator("#ask select").count():

@@ -42,7 +42,7 @@ def number_page(problem: Problem, **options: Any) -> str:
 def test_a_tree_of_numbers_has_the_page_of_a_tree_of_classes_in_words_of_its_loss(loss: Loss):
     problem, page = prices(loss), number_page(prices(loss))
     best, greedy = solve(problem), greedy_tree(problem)
-    off = problem.loss.measures(problem.weights, problem.codes, problem.predictions(best.tree))["mae"]
+    off = problem.loss.measures(problem.samples.weights, problem.samples.codes, problem.predictions(best.tree))["mae"]
     assert ">Regression tree<" in page
     assert f"On average the tree is off by {figure(off, 4)} over 120 samples" in page
     assert f"Proven: no tree of depth 2 or less with these settings has less {loss.words}." in page

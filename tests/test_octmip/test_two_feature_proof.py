@@ -48,12 +48,11 @@ def test_a_log_is_bound_to_its_samples_and_its_question(tmp_path: Path) -> None:
     problem = clouds(2, most_samples=100)
     path = tmp_path / "proof.log"
     log_of(problem, path)
-    other = Problem(problem.features * 2, problem.targets, depth=2, split="hyperplane", split_size=2)
+    other = problem.replace(features=problem.samples.features * 2)
     with pytest.raises(CertificateError, match="line 2"):
         check_proof(other, path)
-    penalised = Problem(problem.features, problem.targets, depth=2, split="hyperplane", split_size=2, leaf_penalty=1)
     with pytest.raises(CertificateError, match="line 3"):
-        check_proof(penalised, path)
+        check_proof(problem.replace(leaf_penalty=1), path)
 
 
 def test_deeper_trees_have_no_logs() -> None:

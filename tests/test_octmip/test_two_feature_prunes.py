@@ -1,7 +1,5 @@
 """Every prune and bound of the two-feature core can be switched off, and the optimum stays."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
@@ -24,13 +22,11 @@ def optimum(problem: Problem, off: list[str]) -> float:
 def variants(problem: Problem) -> list[Problem]:
     """Return the problem with weights, graded costs, and leaf size and penalty."""
     rng = np.random.default_rng(0)
-    k = problem.n_classes
+    k = problem.samples.n_classes
     return [
-        dataclasses.replace(problem, weights=rng.integers(1, 4, problem.n_samples).astype(float)),
-        dataclasses.replace(
-            problem, loss=ClassCosts(np.abs(np.subtract.outer(np.arange(k), np.arange(k))).astype(float))
-        ),
-        dataclasses.replace(problem, leaf_size=9, leaf_penalty=2.0),
+        problem.replace(weights=rng.integers(1, 4, problem.samples.n_samples).astype(float)),
+        problem.replace(loss=ClassCosts(np.abs(np.subtract.outer(np.arange(k), np.arange(k))).astype(float))),
+        problem.replace(leaf_size=9, leaf_penalty=2.0),
     ]
 
 
@@ -61,7 +57,7 @@ def test_what_more_samples_teach_about_a_strip_is_not_held_against_fewer(seed: i
 def test_what_one_set_of_sensors_teaches_is_not_used_under_another(seed: int) -> None:
     """Good lines of other nodes once served sets that may not read their sensors: the tree was over its budget."""
     problem = clouds(seed, most_samples=130)
-    budget = dataclasses.replace(problem, sensor_budget=problem.n_features - 1.0)
+    budget = problem.replace(sensor_budget=problem.samples.n_features - 1.0)
     solution = two_feature_branch_and_bound(budget)
     certify(budget, solution)
     assert solution.is_optimal

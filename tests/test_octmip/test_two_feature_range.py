@@ -73,7 +73,7 @@ def test_the_bound_is_true_and_its_log_is_accepted(case: str, tmp_path: Path) ->
     problem = problem_of(case)
     solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "log"))
     certify(problem, solution)
-    optimum = float(least_cost(problem)) if problem.n_samples < 20 else 14.0
+    optimum = float(least_cost(problem)) if problem.samples.n_samples < 20 else 14.0
     assert solution.bound <= optimum <= solution.objective
     assert solution.stop is (Stop.NUMERICS if case in UNPROVEN else Stop.OPTIMAL)
     assert check_proof(problem, tmp_path / "log", bound=solution.bound).bound == solution.bound

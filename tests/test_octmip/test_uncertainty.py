@@ -112,7 +112,7 @@ def test_all_refits_of_leaves_together_have_the_seconds_and_judge_rows_they_have
     asked = []
 
     def solved(part, method, limits, **named):
-        asked.append((limits.seconds, part.n_samples))
+        asked.append((limits.seconds, part.samples.n_samples))
         return solve(part, method, **named)
 
     monkeypatch.setattr(leaf_shares, "solve", solved)

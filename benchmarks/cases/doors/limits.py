@@ -46,7 +46,7 @@ def fitted(problem: Problem, run: Run) -> Solution:
     model = OptimalTreeClassifier(max_depth=3, seconds=run.limits.seconds, random_state=run.seed, n_jobs=run.n_jobs)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return model.fit(problem.features, problem.targets).solution_
+        return model.fit(problem.samples.features, problem.samples.targets).solution_
 
 
 ASKED: Mapping[str, Callable[[Problem, Run], Solution]] = {

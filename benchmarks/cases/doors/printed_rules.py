@@ -160,9 +160,9 @@ def wrong_rows(seed: int) -> tuple[str, dict[str, int], int]:
     drawn = drawn_tree(seed)
     problem, tree, rows = drawn.problem, drawn.tree, cells(drawn.frame)
     features = drawn.columns.encode(drawn.frame, takes_missing=True)
-    is_number = not problem.n_classes
+    is_number = not problem.samples.n_classes
     told: list[Any] = predict_values(tree, features).tolist() if is_number else predict(tree, features).tolist()
-    names = {name: label for label, name in enumerate(problem.class_names)}
+    names = {name: label for label, name in enumerate(problem.samples.class_names)}
     said = {"words": answers(words_of(problem, tree, drawn.columns), rows), "drawing": _by_drawing(drawn, rows)}
     found = {
         form: sum(

@@ -40,7 +40,7 @@ def outcome(seed: int, way: str, solvers: Sequence[str]) -> Line:
     """Return what `solution_of` made of a random model changed in a way, solved by the first solver that can."""
     rng = np.random.default_rng(seed)
     problem = _problem(rng)
-    line: Line = {"size": f"{problem.n_samples} samples", "seed": seed, "way": way}
+    line: Line = {"size": f"{problem.samples.n_samples} samples", "seed": seed, "way": way}
     for solver in solvers:
         try:
             changed = WAYS[way](model(problem, "oct"), problem, np.random.default_rng(seed), _solve(solver))

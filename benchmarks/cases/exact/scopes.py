@@ -50,7 +50,8 @@ def outcome(seed: int) -> Line:
     kind = str(rng.choice(["axis", "axis", "lines", "numbers", DEFAULT]))
     problem = _problem(rng, kind)
     method = DEFAULT if kind == DEFAULT else str(rng.choice({"axis": AXIS, "lines": LINES, "numbers": NUMBERS}[kind]))
-    line: Line = {"size": f"{problem.n_samples} x {problem.n_features}", "seed": seed, "method": method, "kind": kind}
+    n, p = problem.samples.features.shape
+    line: Line = {"size": f"{n} x {p}", "seed": seed, "method": method, "kind": kind}
     try:
         asked, solution = answered(problem, method, float(rng.choice([0.05, 0.3, 3.0])), seed)
     except OctmipError as error:

@@ -47,7 +47,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     for price in PRICES:
         for name in TABLES:
             problem = _problem(name, price)
-            for solver in (OURS, PEER, *(BINARY if can_be_binary(problem.features) else ())):
+            for solver in (OURS, PEER, *(BINARY if can_be_binary(problem.samples.features) else ())):
                 line = {"size": f"{name}, price {price:g}", "seed": 0, "solver": solver, "threads": 1, "limit": limit}
                 if (name, solver) in stopped:
                     yield line | {"outcome": "not run: stopped at a higher price"}

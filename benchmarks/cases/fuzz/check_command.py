@@ -81,7 +81,7 @@ def corrupted(seed: int, command: Path) -> tuple[str, str]:
     problem = _drawn(rng)
     with tempfile.TemporaryDirectory() as folder:
         log, file = Path(folder) / "proof.log", Path(folder) / "problem.json"
-        solve = branch_and_bound if problem.split == "axis" else two_feature_branch_and_bound
+        solve = branch_and_bound if problem.shape.split == "axis" else two_feature_branch_and_bound
         solve(problem, options=ExactOptions(proof=log))
         write_problem_file(file, problem)
         what = str(rng.choice(["log", "log", "problem", "both"]))

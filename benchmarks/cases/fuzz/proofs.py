@@ -159,12 +159,14 @@ def _other_tree(rng: Generator, problem: Problem, tree: Node) -> Node:
 
 def _other_node(rng: Generator, problem: Problem, node: Node) -> Node:
     if isinstance(node, Split):
-        return dataclasses.replace(node, threshold=float(rng.normal()), feature=int(rng.integers(problem.n_features)))
+        return dataclasses.replace(
+            node, threshold=float(rng.normal()), feature=int(rng.integers(problem.samples.n_features))
+        )
     if isinstance(node, HyperplaneSplit):
         return dataclasses.replace(node, offset=node.offset + float(rng.normal()))
     if isinstance(node, ValueLeaf):
         return dataclasses.replace(node, value=node.value + float(rng.normal()))
-    return Leaf(int(rng.integers(problem.n_classes)))
+    return Leaf(int(rng.integers(problem.samples.n_classes)))
 
 
 def _classes(rng: Generator) -> Problem:

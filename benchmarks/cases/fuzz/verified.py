@@ -10,7 +10,7 @@ import subprocess
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -126,6 +126,6 @@ def _of_octmip_check(problem: Problem, log: Path) -> Verdict:
 def _drawn(rng: Generator) -> Problem:
     # Logs of larger leaves hold records of leaves of any size too, which the theorem does not cover.
     if rng.random() < 1 / 3:
-        return replace(wide_problem(rng, max_samples=16), leaf_size=1)
-    problem = replace(random_problem(rng, max_samples=24), leaf_size=1)
+        return wide_problem(rng, max_samples=16).replace(leaf_size=1)
+    problem = random_problem(rng, max_samples=24).replace(leaf_size=1)
     return with_missing(rng, problem) if rng.random() < 0.5 else problem

@@ -133,7 +133,7 @@ class Columns:
 
     @property
     def column_of_feature(self) -> tuple[str, ...]:
-        """(n_features,) the column that each feature reads: `Problem.sensor_of_feature`, as one reading costs once."""
+        """(n_features,) the column that each feature reads: `Shape.sensor_of_feature`, as one reading costs once."""
         return tuple(feature.column for feature in self.features)
 
     @property

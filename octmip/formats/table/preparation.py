@@ -60,9 +60,9 @@ def with_written_cuts(problem: Problem, solution: Solution, columns: Columns) ->
 
     Splits that are given, or those of an old tree, stay as they are.
     """
-    if solution.tree is None or problem.given_splits or problem.old_tree is not None:
+    if solution.tree is None or (problem.shape.fixed_splits or ()) or problem.shape.old_tree is not None:
         return solution
-    return replace(solution, tree=columns.with_written_cuts(solution.tree, problem.features))
+    return replace(solution, tree=columns.with_written_cuts(solution.tree, problem.samples.features))
 
 
 def kept_rows(table: Table, rows: RowsKept, label: str, others: Sequence[str]) -> Table:

@@ -82,14 +82,15 @@ def rounded(value: float | None) -> float | None:
 
 def describe(problem: Problem, solution: Solution, certificate: Certificate) -> dict[str, Any]:
     """Return the JSON object of a solution: bound and gap are None without a proof."""
+    samples = problem.samples
     assert solution.tree is not None
     return {
         "objective": solution.objective,
         "loss": problem.loss.spelling,
-        "class_order": list(problem.class_order) if problem.monotone is not None else None,
+        "class_order": list(samples.class_order) if problem.shape.monotone is not None else None,
         **certificate.measures,
-        "n_samples": problem.n_samples,
-        "n_missing": problem.n_missing,
+        "n_samples": samples.n_samples,
+        "n_missing": samples.n_missing,
         "bound": finite_or_none(solution.bound),
         "gap": finite_or_none(solution.gap),
         "is_optimal": solution.is_optimal,
@@ -107,16 +108,16 @@ def describe(problem: Problem, solution: Solution, certificate: Certificate) -> 
         "sensor_cost": certificate.sensor_cost,
         "baseline": problem.baseline,
         "normalised_objective": finite_or_none(certificate.normalised_objective),
-        "alpha": problem.leaf_penalty / problem.baseline if problem.baseline > 0 else None,
+        "alpha": problem.shape.leaf_penalty / problem.baseline if problem.baseline > 0 else None,
         "tolerance": solution.tolerance,
         "details": dict(solution.details),
-        "tree": encode_tree(solution.tree, problem.feature_names, problem.class_names),
+        "tree": encode_tree(solution.tree, samples.feature_names, samples.class_names),
     }
 
 
 def verdict(problem: Problem, solution: Solution, certificate: Certificate) -> str:
     """Return what is known of a tree in one sentence, for the last line on the screen."""
-    wrong = problem.loss.short_words_of(certificate.measures, problem.n_samples)
+    wrong = problem.loss.short_words_of(certificate.measures, problem.samples.n_samples)
     trees, counts = _trees(problem, solution), _counts_errors(problem)
     if solution.meets_bound:
         no_better = "makes fewer errors" if counts else f"has an objective below {number(solution.bound)}"
@@ -139,7 +140,7 @@ def _trees(problem: Problem, solution: Solution) -> str:
 
 def _counts_errors(problem: Problem) -> bool:
     """Whether the objective is the number of wrong samples."""
-    return problem.leaf_penalty == 0 and counts_errors(problem)
+    return problem.shape.leaf_penalty == 0 and counts_errors(problem)
 
 
 def comparison_text(problem: Problem, found: Comparison) -> str:

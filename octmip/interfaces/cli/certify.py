@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         log = {} if proof is None else {"proof": dataclasses.asdict(proof)}
         held = {} if held_out is None else {"held_out": score_json(held_out)}
-        n_samples = training.problem.n_samples
+        n_samples = training.problem.samples.n_samples
         print_json({"is_certified": True, "n_samples": n_samples, **certificate.to_json(), **held, **log})
         return 0
     known = "the bound is its solver's claim" if proof is None else "its bound was checked in the proof log"

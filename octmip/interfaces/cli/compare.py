@@ -143,7 +143,7 @@ def _on_table(arguments: argparse.Namespace, path: Path, limits: Limits) -> Foun
     asked = read_problem(of_table)
     rows = compared(of_table, asked, limits)
     problem, notes = asked.problem, tuple(f"note: {visible(note)}" for note in asked.notes)
-    return Found(path.name, problem.n_samples, problem.loss.measured, tuple(rows), notes)
+    return Found(path.name, problem.samples.n_samples, problem.loss.measured, tuple(rows), notes)
 
 
 def _summary(method: str, found: Sequence[Found], limit: float) -> dict[str, Any]:

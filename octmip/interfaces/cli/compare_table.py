@@ -45,7 +45,9 @@ def _show(
     if arguments.json:
         beside: dict[str, Any] = {"baselines": baselines} if arguments.baselines else {}
         notes = {"notes": list(asked.notes)}
-        print_json({"n_samples": problem.n_samples, "baseline": problem.baseline, "rows": rows, **beside, **notes})
+        print_json(
+            {"n_samples": problem.samples.n_samples, "baseline": problem.baseline, "rows": rows, **beside, **notes}
+        )
         return
     measures = problem.loss.measured
     held = () if asked.held_out is None else tuple(f"{name} held out" for name in measures)
@@ -55,7 +57,7 @@ def _show(
         named = [{**_shown(row, measures), "baseline": row["method"]} for row in baselines]
         print("\n" + markdown_table(named, ("baseline", *measures, *held, "seconds")))
     if asked.held_out is not None:
-        print(f"\n{problem.n_samples} training samples, {len(asked.held_out.codes)} held out")
+        print(f"\n{problem.samples.n_samples} training samples, {len(asked.held_out.codes)} held out")
     for sentence in reasons([*rows, *baselines]):
         print(f"\n{sentence}")
 

@@ -58,11 +58,15 @@ class Finding:
 def run(arguments: argparse.Namespace) -> int:
     """Examine and show."""
     findings = list(_findings())
-    machine, methods = _machine(), _methods()
+    machine, methods, unknown = _machine(), _of_registry("options_by_method"), _of_registry("settings_unknown_to")
     is_healthy = all(finding.is_good for finding in findings if finding.is_needed)
     if arguments.json:
         listed = [{"name": f.name, "good": f.is_good, "needed": f.is_needed, "says": f.says} for f in findings]
-        print(json.dumps({"is_healthy": is_healthy, "findings": listed, "methods": methods, **machine}))
+        print(
+            json.dumps(
+                {"is_healthy": is_healthy, "findings": listed, "methods": methods, "unknown": unknown, **machine}
+            )
+        )
         return 0 if is_healthy else 1
     width = max(len(finding.name) for finding in findings)
     for finding in findings:
@@ -72,19 +76,23 @@ def run(arguments: argparse.Namespace) -> int:
         print("\nmethods and their options (octmip.trees.methods.options; the command takes them by --option)")
     for method, options in methods.items():
         print(f"{method:<8}  {', '.join(options)}")
+    if unknown:
+        print("\nwhat of a problem a solver refuses (octmip.trees.runs.registry.CAPABILITIES)")
+    for solver, settings in unknown.items():
+        print(f"{solver:<17}  {', '.join(settings)}")
     memory = machine["memory_gigabytes"]
     print(f"\n{machine['threads']} threads, {'unknown' if memory is None else f'{memory:.1f} GB'} of memory")
     print("This installation works." if is_healthy else "This installation does not work: see the lines with FAULT.")
     return 0 if is_healthy else 1
 
 
-def _methods() -> dict[str, dict[str, Any]]:
-    """Return the options of each method; nothing where the package cannot be imported, as a finding says."""
+def _of_registry(name: str) -> dict[str, Any]:
+    """Return a table of the registry of solvers; nothing where the package cannot be imported, as a finding says."""
     try:
         registry = importlib.import_module("octmip.trees.runs.registry")
     except Exception:
         return {}
-    found: dict[str, dict[str, Any]] = registry.options_by_method()
+    found: dict[str, Any] = getattr(registry, name)()
     return found
 
 

@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         rows = [_row(arguments.over, point) for point in points]
         if choice is not None:
             for row, point in zip(rows, points, strict=True):
-                step = choice.step_at(point.problem.depth, point.problem.leaf_penalty / problem.baseline)
+                step = choice.step_at(point.problem.shape.depth, point.problem.shape.leaf_penalty / problem.baseline)
                 row["held_out"] = step.validation_cost
         with then_written(arguments.out, partial(_draw, points=points, over=arguments.over), is_quiet=True):
             _show(arguments, asked, rows, choice)
@@ -82,7 +82,7 @@ def _show(
 ) -> None:
     if arguments.json:
         chosen = {} if choice is None else {"chosen": _chosen(choice)}
-        found = {"over": arguments.over, "n_samples": asked.problem.n_samples, "rows": rows}
+        found = {"over": arguments.over, "n_samples": asked.problem.samples.n_samples, "rows": rows}
         print_json(found | {"notes": list(asked.notes)} | chosen)
         return
     print_notes(asked.notes)
@@ -134,7 +134,7 @@ def _chosen(choice: Choice) -> dict[str, Any]:
     chosen = choice.chosen
     return {
         "depth": chosen.depth,
-        "penalty": choice.problem.leaf_penalty,
+        "penalty": choice.problem.shape.leaf_penalty,
         "alpha": chosen.alpha,
         "held_out": chosen.validation_cost,
         "n_splits": n_splits(choice.tree),

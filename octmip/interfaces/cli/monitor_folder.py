@@ -91,5 +91,5 @@ def words_of(design: MonitorDesign, summary: Mapping[str, Any]) -> str:
             f"{visible(one.parameter)}: off by {off:.3g} on average on {summary['n_fresh_readings']} fresh readings "
             f"({blind:.3g} without any); {proof}"
         )
-        lines.append(tree_text(one.tree, problem.feature_names, problem.class_names))
+        lines.append(tree_text(one.tree, problem.samples.feature_names, problem.samples.class_names))
     return "\n".join(lines)

@@ -173,7 +173,7 @@ def _show_words(asked: TableProblem, solution: Solution, certificate: Certificat
         print(f"{comparison_text(problem, found)}\n{difference_text(problem, found)}\n")
     print(printable(solution_text(problem, solution, certificate)))
     print()
-    names, counts = (problem.feature_names, problem.class_names), leaf_counts(problem, tree)
+    names, counts = (problem.samples.feature_names, problem.samples.class_names), leaf_counts(problem, tree)
     print(printable(tree_text(tree, *names, counts, asked.preparation.columns)))
     print()
     if doubt := warning_text(problem, tree):

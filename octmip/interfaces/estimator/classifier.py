@@ -117,8 +117,8 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     certificate_
         what was recomputed from problem and tree alone (`octmip.Certificate`); `sensors_` are those it names.
     leaf_distribution_
-        the classes in each leaf, in the order of `problem_.class_names` (`octmip.trees.uncertainty.LeafDistribution`);
-        `made` says how they were counted.
+        the classes in each leaf, in the order of `problem_.samples.class_names`
+        (`octmip.trees.uncertainty.LeafDistribution`); `made` says how they were counted.
     feature_importances_
         (n_features_in_,) share of each column of X in the training cost that the splits save.
 
@@ -226,7 +226,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
                 "columns_.encode(X), whose columns are numbers, and convert that"
             )
         if (self._place != np.arange(len(self._place))).any():
-            order = words_of_order(self.problem_.class_order)
+            order = words_of_order(self.problem_.samples.class_order)
             raise TreeError(
                 f"a DecisionTreeClassifier sorts its classes, and the {order}; name them so that "
                 "they sort in this order, such as 1 low, 2 mid, 3 high"

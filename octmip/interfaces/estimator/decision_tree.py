@@ -36,9 +36,9 @@ def sklearn_tree(problem: Problem, distribution: LeafDistribution, classes: NDAr
         )
     _refuse_rounding(problem, tree)
     _refuse_other_labels(distribution, classes)
-    model = DecisionTreeClassifier(max_depth=problem.depth, min_samples_leaf=problem.leaf_size)
+    model = DecisionTreeClassifier(max_depth=problem.shape.depth, min_samples_leaf=problem.shape.leaf_size)
     model.classes_, model.n_classes_ = classes.copy(), np.int64(len(classes))
-    model.n_features_in_ = model.max_features_ = problem.n_features
+    model.n_features_in_ = model.max_features_ = problem.samples.n_features
     model.n_outputs_ = 1
     model.tree_ = _cython_tree(problem, distribution)
     return model
@@ -46,16 +46,17 @@ def sklearn_tree(problem: Problem, distribution: LeafDistribution, classes: NDAr
 
 def _refuse_rounding(problem: Problem, tree: Node) -> None:
     """Refuse a split that sends a training sample to its other side once the sample is rounded to float32."""
+    samples = problem.samples
     with np.errstate(over="ignore"):
-        rounded = problem.features.astype(np.float32).astype(np.float64)
-    moved = np.flatnonzero(leaf_index(tree, problem.features) != leaf_index(tree, rounded))
+        rounded = samples.features.astype(np.float32).astype(np.float64)
+    moved = np.flatnonzero(leaf_index(tree, samples.features) != leaf_index(tree, rounded))
     if not len(moved) and not np.isinf(rounded).any():
         return
     for split in splits(tree):
         assert isinstance(split, Split)
-        other = goes_left(split, problem.features, moved) != goes_left(split, rounded, moved)
+        other = goes_left(split, samples.features, moved) != goes_left(split, rounded, moved)
         if other.any():
-            name, value = problem.feature_names[split.feature], problem.features[moved[other][0], split.feature]
+            name, value = (samples.feature_names[split.feature], samples.features[moved[other][0], split.feature])
             raise TreeError(
                 f"scikit-learn reads samples as float32, which takes {name!r} = {value} to the other side "
                 f"of {split.threshold}; subtract an offset from this column, or round it to float32 before fitting"
@@ -90,7 +91,7 @@ def _cython_tree(problem: Problem, distribution: LeafDistribution) -> Tree:
     shares = weights / np.where(totals > 0, totals, 1.0)[:, None]
     rows["impurity"] = 1 - (shares**2).sum(axis=1)
     shares[table.leaf_nodes] = distribution.probabilities
-    tree = Tree(problem.n_features, np.array([problem.n_classes], dtype=np.intp), 1)
+    tree = Tree(problem.samples.n_features, np.array([problem.samples.n_classes], dtype=np.intp), 1)
     state = {"max_depth": depth(distribution.tree), "node_count": len(rows), "nodes": rows, "values": shares[:, None]}
     tree.__setstate__(state)
     return tree
@@ -109,9 +110,9 @@ def _node_totals(
     problem: Problem, distribution: LeafDistribution, table: NodeTable
 ) -> tuple[NDArray[np.int64], Floats]:
     """Return samples (n_nodes,) and weight of each class (n_nodes, n_classes) in every node."""
-    reached = leaf_index(distribution.tree, problem.features)
+    reached = leaf_index(distribution.tree, problem.samples.features)
     samples = np.zeros(len(table.nodes), dtype=np.int64)
-    weights = np.zeros((len(table.nodes), problem.n_classes))
+    weights = np.zeros((len(table.nodes), problem.samples.n_classes))
     samples[table.leaf_nodes] = np.bincount(reached, minlength=len(table.leaf_nodes))
     weights[table.leaf_nodes] = distribution.weights
     for k in reversed(range(len(table.nodes))):

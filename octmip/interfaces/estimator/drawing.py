@@ -27,7 +27,7 @@ MOST_LEAVES = 64
 def words_of(problem: Problem, tree: Node, columns: Columns) -> str:
     """Return a tree as indented lines, with the training samples of each leaf."""
     counts = leaf_counts(problem, tree)
-    return tree_text(tree, problem.feature_names, problem.class_names, counts, _encoded(columns))
+    return tree_text(tree, problem.samples.feature_names, problem.samples.class_names, counts, _encoded(columns))
 
 
 def _encoded(columns: Columns) -> Columns | None:
@@ -42,10 +42,10 @@ def notebook_picture(problem: Problem, solution: Solution, columns: Columns) -> 
     if len(leaves(tree)) > MOST_LEAVES:
         picture = f"<pre>{escape(words_of(problem, tree, columns))}</pre>"
     else:
-        wording = Wording(problem.feature_names, problem.class_names, _encoded(columns))
+        wording = Wording(problem.samples.feature_names, problem.samples.class_names, _encoded(columns))
         counts, seen = leaf_counts(problem, tree), Seen.of(problem, tree)
         picture = drawing_svg(draw_tree(tree, wording, counts, seen=seen))
-    good = problem.loss.words_of(certify(problem, solution).measures, problem.n_samples)
+    good = problem.loss.words_of(certify(problem, solution).measures, problem.samples.n_samples)
     claim = str(solution).splitlines()[0]
     below = f'<div style="margin-top:4px;font-family:sans-serif;font-size:13px">training: {good}; {escape(claim)}</div>'
     return f'<div style="overflow-x:auto;margin-top:8px">{picture}</div>{below}'

@@ -113,7 +113,7 @@ class FittedTree(Settings):
             raise SolverError(f"{solution.solver} found no tree within {self.seconds} s; give it more seconds")
         self.problem_, self.solution_ = problem, with_written_cuts(problem, solution, self.columns_)
         self.certificate_ = certify(problem, self.solution_)
-        self._routes = with_sides_for_missing(self.tree_, problem.features, problem.weights)
+        self._routes = with_sides_for_missing(self.tree_, problem.samples.features, problem.samples.weights)
         return run
 
     def _say_how_it_ended(self) -> None:

@@ -19,13 +19,13 @@ from octmip.trees.question.problem import Problem
 
 def feature_savings(problem: Problem, tree: Node) -> NDArray[np.float64]:
     """Return what the splits on each feature of a problem save of the training cost, shape (n_features,)."""
-    saved = np.zeros(problem.n_features)
-    stack: list[tuple[Node, NDArray[np.int64]]] = [(tree, np.arange(problem.n_samples))]
+    saved = np.zeros(problem.samples.n_features)
+    stack: list[tuple[Node, NDArray[np.int64]]] = [(tree, np.arange(problem.samples.n_samples))]
     while stack:
         node, rows = stack.pop()
         if isinstance(node, Leaf):
             continue
-        left = goes_left(node, problem.features, rows)
+        left = goes_left(node, problem.samples.features, rows)
         sides = rows[left], rows[~left]
         saving = _cost(problem, rows) - sum(_cost(problem, side) for side in sides)
         saved[list(node.features)] += max(0.0, saving) * _shares(problem, node, rows)
@@ -41,6 +41,6 @@ def _shares(problem: Problem, node: Split | HyperplaneSplit, rows: NDArray[np.in
     """Return the share of each feature of a split in its saving."""
     if isinstance(node, Split):
         return np.ones(1)
-    spread = problem.features[rows][:, list(node.features)].std(axis=0)
+    spread = problem.samples.features[rows][:, list(node.features)].std(axis=0)
     moved = np.abs(node.coefficients) * spread
     return np.asarray(moved / moved.sum()) if moved.sum() > 0 else np.full(len(moved), 1 / len(moved))

@@ -153,7 +153,7 @@ def test_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike | None) ->
     check_consistent_length(features, labels)
     if not hasattr(estimator, "classes_"):
         return Samples(features, np.asarray(labels, dtype=np.float64), np.ones(len(labels)))
-    names = estimator.problem_.class_names
+    names = estimator.problem_.samples.class_names
     known = set(names)
     unknown = next((label for label in labels.tolist() if label not in known), None)
     if unknown is not None:

@@ -95,11 +95,11 @@ def choice_figure(choice: Choice) -> Figure:
     ends = [step.alpha_low for step in choice.steps if step.alpha_low > 0]
     last = 1.25 * max(ends, default=1.0)
     for k, path in enumerate(choice.paths):
-        steps = [step for step in choice.steps if step.depth == path.problem.depth]
+        steps = [step for step in choice.steps if step.depth == path.problem.shape.depth]
         alphas = [*(step.alpha_low for step in steps), last]
         costs = [*(step.validation_cost for step in steps), steps[-1].validation_cost]
         colour = DISTINCT[k % len(DISTINCT)]
-        axes.step(alphas, costs, where="post", color=colour, linewidth=1.4, label=f"depth {path.problem.depth}")
+        axes.step(alphas, costs, where="post", color=colour, linewidth=1.4, label=f"depth {path.problem.shape.depth}")
     _mark(axes, choice.chosen)
     axes.set_xscale("symlog", linthresh=min(ends, default=1.0))
     axes.set_xlim(0, last)

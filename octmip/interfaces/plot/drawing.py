@@ -71,15 +71,16 @@ def tree_figure(
     """
     check_names(problem, tree)
     way = None if sample is None else _way(problem, tree, np.asarray(sample, dtype=np.float64))
-    wording = Wording(problem.feature_names, problem.class_names, columns)
+    wording = Wording(problem.samples.feature_names, problem.samples.class_names, columns)
     seen = Seen.of(problem, tree, histograms)
     return counted_tree_figure(tree, wording, leaf_counts(problem, tree), title, seen=seen, way=way, dark=dark)
 
 
 def _way(problem: Problem, tree: Node, sample: NDArray[np.float64]) -> int:
-    if sample.shape not in ((problem.n_features,), (1, problem.n_features)):
+    if sample.shape not in ((problem.samples.n_features,), (1, problem.samples.n_features)):
         raise ProblemError(
-            f"sample has shape {sample.shape}; expected one row of {problem.n_features} features, as features[0]"
+            f"sample has shape {sample.shape}; expected one row of {problem.samples.n_features} features, as "
+            "features[0]"
         )
     return int(leaf_index(tree, sample.reshape(1, -1))[0])
 

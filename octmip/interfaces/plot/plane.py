@@ -31,21 +31,22 @@ def partition_figure(
     ProblemError
         the tree reads other features than two, or predicts a class that the problem lacks.
     """
+    samples = problem.samples
     check_names(problem, tree)
     pair = _plane(problem, tree, features)
-    points = problem.features[:, pair]
-    points, codes = points[~np.isnan(points).any(axis=1)], problem.codes[~np.isnan(points).any(axis=1)]
+    points = samples.features[:, pair]
+    points, codes = points[~np.isnan(points).any(axis=1)], samples.codes[~np.isnan(points).any(axis=1)]
     if len(points) == 0:
         raise ProblemError(
-            f"no sample has both readings of {shown(problem.feature_names[pair[0]])} and "
-            f"{shown(problem.feature_names[pair[1]])}; expected one at least to draw; name other features"
+            f"no sample has both readings of {shown(samples.feature_names[pair[0]])} and "
+            f"{shown(samples.feature_names[pair[1]])}; expected one at least to draw; name other features"
         )
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.04 * np.where(high > low, high - low, 1.0)
     low, high = low - margin, high + margin
     figure = Picture(figsize=(5.6, 4.4), layout="tight")
     axes = figure.add_subplot()
-    colours = class_colours(problem.class_names)
+    colours = class_colours(samples.class_names)
     corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
     _draw_cell(axes, tree, corners, pair, colours, line_width=2.2)
     order = np.random.default_rng(0).permutation(len(points))  # no class lies wholly on top of another
@@ -54,11 +55,11 @@ def partition_figure(
     for colour in colours:
         axes.scatter([], [], color=colour, s=22, label="class")
     legend = axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8, handletextpad=0.2)
-    name_entries(legend, problem.class_names)
+    name_entries(legend, samples.class_names)
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
-    plain(axes.set_xlabel(drawn(problem.feature_names[pair[0]], problem.feature_names), color=INK))
-    plain(axes.set_ylabel(drawn(problem.feature_names[pair[1]], problem.feature_names), color=INK))
+    plain(axes.set_xlabel(drawn(samples.feature_names[pair[0]], samples.feature_names), color=INK))
+    plain(axes.set_ylabel(drawn(samples.feature_names[pair[1]], samples.feature_names), color=INK))
     quiet_frame(axes)
     if title:
         plain(axes.set_title(in_font(title), fontsize=10, color=INK))
@@ -67,9 +68,9 @@ def partition_figure(
 
 def _plane(problem: Problem, tree: Node, features: tuple[int, int] | None) -> list[int]:
     used = features_used(tree)
-    pair = list(features or (range(2) if problem.n_features == 2 else used))
+    pair = list(features or (range(2) if problem.samples.n_features == 2 else used))
     if len(pair) != 2 or not set(used) <= set(pair):
-        names = [shown(problem.feature_names[feature]) for feature in used]
+        names = [shown(problem.samples.feature_names[feature]) for feature in used]
         count = f"{len(used)} feature{'s' * (len(used) != 1)}"
         raise ProblemError(
             f"the tree reads {count} ({', '.join(names)}); a plane shows a tree over two: name two that "

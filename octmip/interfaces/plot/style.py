@@ -73,11 +73,13 @@ def check_names(problem: Problem, tree: Node) -> None:
     ProblemError
         it reads a feature or predicts a class that the problem lacks.
     """
+    samples = problem.samples
     highest = max((*features_used(tree), -1))
     label = max(leaf.label for leaf in leaves(tree))
     is_number = problem.loss.predicts == "number" and all(isinstance(leaf, ValueLeaf) for leaf in leaves(tree))
-    if highest >= problem.n_features or (label >= problem.n_classes and not is_number):
+    if highest >= samples.n_features or (label >= samples.n_classes and not is_number):
         raise ProblemError(
-            f"the tree reads feature {highest} and predicts class {label} but the problem has {problem.n_features} "
-            f"features and {problem.n_classes} classes; draw it with the problem that it was found for"
+            f"the tree reads feature {highest} and predicts class {label} but the problem has "
+            f"{samples.n_features} features and {samples.n_classes} classes; draw it with the problem "
+            "that it was found for"
         )

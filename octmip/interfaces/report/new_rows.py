@@ -28,13 +28,13 @@ def choice_text(problem: Problem, solution: Solution) -> str:
     if choice is None:
         return ""
     if "reason" in choice:
-        return f"not chosen: {visible(str(choice['reason']))}; depth {problem.depth} instead"
+        return f"not chosen: {visible(str(choice['reason']))}; depth {problem.shape.depth} instead"
     n_kinds = len(choice["families"])
     kinds = f"{n_kinds} kind{'' if n_kinds == 1 else 's'} of trees"
     folds = f"{choice['n_folds']} fold{'' if choice['n_folds'] == 1 else 's'}"
     lines = [
         f"chosen by cross-validation ({folds}, {kinds}): {visible(choice['kind'])}; "
-        f"leaf penalty {problem.leaf_penalty:.4g}"
+        f"leaf penalty {problem.shape.leaf_penalty:.4g}"
     ]
     if choice["families_left_out"]:
         lines.append(f"the time left out {choice['families_left_out']} more of them; more --seconds try these too")
@@ -81,7 +81,8 @@ def difference_text(problem: Problem, found: Comparison) -> str:
 
 def counts_errors(problem: Problem) -> bool:
     """Whether a mean cost is a share of wrong rows."""
-    return isinstance(problem.loss, ClassCosts) and problem.loss.is_zero_one and bool((problem.weights == 1).all())
+    is_zero_one = isinstance(problem.loss, ClassCosts) and problem.loss.is_zero_one
+    return is_zero_one and bool((problem.samples.weights == 1).all())
 
 
 def mean_cost(problem: Problem, cost: float) -> str:
@@ -106,7 +107,7 @@ def _one_answer(problem: Problem, tree: Node) -> tuple[str, str] | None:
         return None
     if problem.loss.predicts == "class":
         cure = "where another class is rare or matters more, --class-weight balanced (or CLASS=WEIGHT) lets it count"
-        return shown(problem.class_names[int(answers.pop())]), cure
+        return shown(problem.samples.class_names[int(answers.pop())]), cure
     other = "absolute" if problem.loss.name == "squared" else "squared"
     why = "a few far numbers may hide what splits are worth: " if other == "absolute" else ""
     return f"{answers.pop():.6g}", f"{why}try --loss {other}, or a --depth"
@@ -116,7 +117,7 @@ def warning_text(problem: Problem, tree: Node) -> str:
     """Return what makes a tree doubtful on new rows, a line each: one answer, small leaves, rows learned by heart."""
     if (answer := _one_answer(problem, tree)) is not None:
         return f"warning: the tree answers {answer[0]} for every row; {answer[1]}"
-    sizes = np.bincount(leaf_index(tree, problem.features), minlength=len(leaves(tree)))
+    sizes = np.bincount(leaf_index(tree, problem.samples.features), minlength=len(leaves(tree)))
     small = int((sizes < FEW_SAMPLES).sum())
     if not small:
         return ""

@@ -89,9 +89,11 @@ def solution_text(problem: Problem, solution: Solution, certificate: Certificate
     proof += f" ({loss.words})" if is_number else ""
     splits = f"{certificate.n_splits} split" + ("" if certificate.n_splits == 1 else "s")
     sensors = f"sensors {', '.join(map(shown, certificate.sensors))}" if certificate.sensors else "no sensor"
-    measured = loss.words_of(certificate.measures, problem.n_samples)
+    measured = loss.words_of(certificate.measures, problem.samples.n_samples)
     order = (
-        f"{visible(words_of_order(problem.class_order))}\n" if problem.monotone is not None and not is_number else ""
+        f"{visible(words_of_order(problem.samples.class_order))}\n"
+        if problem.shape.monotone is not None and not is_number
+        else ""
     )
     return (
         f"objective {number(solution.objective)}, bound {number(solution.bound)}: {proof}\n"

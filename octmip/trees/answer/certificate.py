@@ -96,8 +96,8 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
     objective = problem.objective_of(tree, predicted)
     if math.isinf(objective):
         raise CertificateError(
-            f"the tree of {solution.solver} costs more on the {problem.n_samples} samples than float64 holds; expected "
-            "predictions near the targets; tree and data do not belong together or one was changed"
+            f"the tree of {solution.solver} costs more on the {problem.samples.n_samples} samples than float64 holds; "
+            "expected predictions near the targets; tree and data do not belong together or one was changed"
         )
     _check_claims(problem, solution, objective)
     baseline = problem.baseline
@@ -107,8 +107,8 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
         measures=problem.measures(predicted),
         n_splits=n_splits(tree),
         depth=depth(tree),
-        sensors=problem.sensors_used(tree),
-        sensor_cost=problem.sensor_cost_of(tree),
+        sensors=problem.shape.sensors_used(tree),
+        sensor_cost=problem.shape.sensor_cost_of(tree),
         bound=solution.bound,
         gap=solution.gap,
         scope=scope_of(problem, solution),
@@ -141,49 +141,51 @@ def checked_leaf_index(problem: Problem, tree: Node) -> NDArray[np.int64]:
         the tree breaks a limit of the problem.
     """
     _check_tree(problem, tree)
-    leaf = leaf_index(tree, problem.features)
+    leaf = leaf_index(tree, problem.samples.features)
     _check_leaf_sizes(problem, tree, np.bincount(leaf, minlength=len(leaves(tree))))
-    if problem.leaf_weight is not None:
+    if problem.shape.leaf_weight is not None:
         _check_leaf_weights(problem, tree, leaf)
     return leaf
 
 
 def _check_tree(problem: Problem, tree: Node) -> None:
-    if depth(tree) > problem.depth and not problem.any_depth:
-        raise CertificateError(f"the tree has depth {depth(tree)} but the problem allows {problem.depth}")
-    if problem.max_splits is not None and complexity(tree) > problem.max_splits:
-        counted = "splits" if problem.split == "axis" else "features in its splits"
-        raise CertificateError(f"the tree has {complexity(tree)} {counted} but max_splits is {problem.max_splits}")
+    shape = problem.shape
+    if depth(tree) > shape.depth and not shape.any_depth:
+        raise CertificateError(f"the tree has depth {depth(tree)} but the problem allows {shape.depth}")
+    if shape.max_splits is not None and complexity(tree) > shape.max_splits:
+        counted = "splits" if shape.split == "axis" else "features in its splits"
+        raise CertificateError(f"the tree has {complexity(tree)} {counted} but max_splits is {shape.max_splits}")
     forbidden = first_forbidden_split(problem, tree)
     if forbidden:
         raise CertificateError(forbidden)
-    if problem.monotone is not None and (found := disorder(tree, problem.directions)) is not None:
+    if shape.monotone is not None and (found := disorder(tree, shape.directions)) is not None:
         one, other, feature = found
-        way = "falls" if problem.directions[feature] > 0 else "rises"
+        way = "falls" if shape.directions[feature] > 0 else "rises"
         raise CertificateError(
-            f"the prediction {way} along {problem.feature_names[feature]} between leaves {one} and {other} (from the "
-            f"left), but monotone is {words_of(problem.feature_names, problem.directions)}"
+            f"the prediction {way} along {problem.samples.feature_names[feature]} between leaves {one} and {other} "
+            f"(from the left), but monotone is {words_of(problem.samples.feature_names, shape.directions)}"
         )
-    if problem.has_parts and (broken := _broken_part(problem, tree)) is not None:
+    if shape.has_parts and (broken := _broken_part(problem, tree)) is not None:
         raise CertificateError(broken)
-    if problem.sensor_cost_of(tree) > problem.sensor_limit:
-        sensors, cost = several(problem.sensors_used(tree)), problem.sensor_cost_of(tree)
+    if shape.sensor_cost_of(tree) > shape.sensor_limit:
+        sensors, cost = several(shape.sensors_used(tree)), shape.sensor_cost_of(tree)
         raise CertificateError(
-            f"the tree reads the sensors {sensors} of total cost {cost:g}, over the budget of {problem.sensor_budget:g}"
+            f"the tree reads the sensors {sensors} of total cost {cost:g}, over the budget of {shape.sensor_budget:g}"
         )
 
 
 def first_forbidden_split(problem: Problem, tree: Node) -> str | None:
     """Return a sentence about the first split or leaf that a problem does not allow, None if there is none."""
+    samples = problem.samples
     used = features_used(tree)
-    if used and used[-1] >= problem.n_features:
-        return f"the tree reads feature {used[-1]} but the problem has {problem.n_features} features"
-    with_missing = set(problem.features_with_missing) if problem.takes_missing else set()
+    if used and used[-1] >= samples.n_features:
+        return f"the tree reads feature {used[-1]} but the problem has {samples.n_features} features"
+    with_missing = set(samples.features_with_missing) if samples.takes_missing else set()
     for split in splits(tree):
-        names = [problem.feature_names[j] for j in split.features]
-        if not problem.is_allowed(split.features):
-            return f"a split over {names} is not allowed (split_size {problem.max_split_size}, allowed_splits)"
-        if problem.split == "axis" and isinstance(split, HyperplaneSplit):
+        names = [samples.feature_names[j] for j in split.features]
+        if not problem.shape.is_allowed(split.features):
+            return f"a split over {names} is not allowed (split_size {problem.shape.max_split_size}, allowed_splits)"
+        if problem.shape.split == "axis" and isinstance(split, HyperplaneSplit):
             return f"a split over {names} is a hyperplane, which is not allowed: split is 'axis'"
         if isinstance(split, HyperplaneSplit) and not _is_integral(problem, split):
             return f"a split over {names} has coefficients {split.coefficients}, not integers within limits"
@@ -196,50 +198,54 @@ def _fault_of(problem: Problem, leaf: Leaf) -> str | None:
     if problem.loss.predicts == "class":
         if isinstance(leaf, ValueLeaf):
             return f"a leaf predicts the number {leaf.value}; expected a class in every leaf"
-        is_known = leaf.label < problem.n_classes
+        is_known = leaf.label < problem.samples.n_classes
         return (
-            None if is_known else f"a leaf predicts class {leaf.label} but the problem has {problem.n_classes} classes"
+            None
+            if is_known
+            else f"a leaf predicts class {leaf.label} but the problem has {problem.samples.n_classes} classes"
         )
     if not isinstance(leaf, ValueLeaf):
         return f"a leaf predicts class {leaf.label}; expected a number in every leaf"
-    if leaf.features and problem.leaf_model == "constant":
+    if leaf.features and problem.shape.leaf_model == "constant":
         return f"a leaf is linear over features {leaf.features} but leaf_model is 'constant'"
     return None
 
 
 def _is_integral(problem: Problem, split: HyperplaneSplit) -> bool:
     """Whether a hyperplane's coefficients are whole numbers where that is asked for."""
-    most = problem.integer_normals
+    most = problem.shape.integer_normals
     return most is None or all(c == math.floor(c) and abs(c) <= most for c in split.coefficients)
 
 
 def _broken_part(problem: Problem, tree: Node) -> str | None:
     """Return a sentence about the first part that is asked for and a tree lacks; None where it has all."""
-    broken = missing_part(tree, problem.given_splits, problem.feature_names)
+    shape = problem.shape
+    broken = missing_part(tree, (shape.fixed_splits or ()), problem.samples.feature_names)
     if broken is None:
-        broken = broken_rule(tree, problem.rules_of_paths, problem.feature_names)
-    if broken is None and problem.max_changes is not None:
-        changes = n_changes(tree, problem.old_tree)
-        if changes > problem.max_changes:
-            broken = f"the tree differs from old_tree at {changes} places but max_changes is {problem.max_changes}"
+        broken = broken_rule(tree, (shape.path_rules or ()), problem.samples.feature_names)
+    if broken is None and shape.max_changes is not None:
+        changes = n_changes(tree, shape.old_tree)
+        if changes > shape.max_changes:
+            broken = f"the tree differs from old_tree at {changes} places but max_changes is {shape.max_changes}"
     return broken
 
 
 def _check_leaf_sizes(problem: Problem, tree: Node, sizes: NDArray[np.int64]) -> None:
     smallest = int(sizes.argmin())
-    if not isinstance(tree, Leaf) and sizes[smallest] < problem.leaf_size:
+    if not isinstance(tree, Leaf) and sizes[smallest] < problem.shape.leaf_size:
         raise CertificateError(
-            f"leaf {smallest} (from the left) holds {sizes[smallest]} samples but leaf_size is {problem.leaf_size}"
+            f"leaf {smallest} (from the left) holds {sizes[smallest]} samples but leaf_size is "
+            f"{problem.shape.leaf_size}"
         )
 
 
 def _check_leaf_weights(problem: Problem, tree: Node, leaf: NDArray[np.int64]) -> None:
-    weights = [math.fsum(problem.weights[leaf == k]) for k in range(len(leaves(tree)))]
+    weights = [math.fsum(problem.samples.weights[leaf == k]) for k in range(len(leaves(tree)))]
     lightest = int(np.argmin(weights))
-    if not isinstance(tree, Leaf) and weights[lightest] < problem.least_leaf_weight:
+    if not isinstance(tree, Leaf) and weights[lightest] < problem.shape.least_leaf_weight:
         raise CertificateError(
             f"leaf {lightest} (from the left) holds samples of weight {weights[lightest]:g} but leaf_weight is "
-            f"{problem.leaf_weight:g}"
+            f"{problem.shape.leaf_weight:g}"
         )
 
 
@@ -247,8 +253,8 @@ def _leaf_objective(problem: Problem, bound: float) -> float:
     """Return the objective of the best leaf, summed with care only where a bound comes near it: it takes far longer."""
     if problem.has_integer_costs or problem.loss.predicts == "number" or bound < 0.999 * problem.baseline:
         return problem.baseline
-    every = np.ones(problem.n_samples, dtype=np.int64)
-    return min(problem.objective_of(Leaf(k), k * every) for k in range(problem.n_classes))
+    every = np.ones(problem.samples.n_samples, dtype=np.int64)
+    return min(problem.objective_of(Leaf(k), k * every) for k in range(problem.samples.n_classes))
 
 
 def _check_claims(problem: Problem, solution: Solution, objective: float) -> None:
@@ -259,7 +265,8 @@ def _check_claims(problem: Problem, solution: Solution, objective: float) -> Non
     if abs(solution.objective - objective) > slack:
         raise CertificateError(
             f"{solution.solver} claims objective {solution.objective} but the tree's own, recounted over "
-            f"{problem.n_samples} samples, is {objective}; tree and data do not belong together or one was changed"
+            f"{problem.samples.n_samples} samples, is {objective}; tree and data do not belong together or one was "
+            "changed"
         )
     most = solution.tolerance if problem.loss.predicts == "class" else 0.0
     if solution.bound > objective + slack + most:
@@ -267,7 +274,7 @@ def _check_claims(problem: Problem, solution: Solution, objective: float) -> Non
             f"{solution.solver} claims that no tree is below {solution.bound} but its own tree has {objective}"
         )
     # Where a tree without a split is feasible no true bound lies above it, unless rows were added to a model.
-    is_feasible = problem.is_leaf_allowed and not solution.details.get("added") and solution.bound > -math.inf
+    is_feasible = problem.shape.is_leaf_allowed and not solution.details.get("added") and solution.bound > -math.inf
     leaf = _leaf_objective(problem, solution.bound) if is_feasible else math.inf
     if solution.bound > leaf + (0.0 if is_exact else 1e-12 * leaf) + most:
         raise CertificateError(f"{solution.solver} claims the bound {solution.bound} but one leaf alone costs {leaf}")

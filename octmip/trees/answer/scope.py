@@ -10,26 +10,27 @@ def limits_in_words(problem: Problem, depth: int | None = None) -> str:
 
     Example: "of depth 2 or less, with 5 samples or more in each leaf".
     """
-    depth = problem.depth if depth is None else depth
-    most = problem.max_splits if isinstance(problem.depth, AnyDepth) else problem.limited_splits
-    number = f"up to {problem.max_split_size} features in a split"
-    counted = f"{'split' if problem.split == 'axis' else 'feature'}{'' if most == 1 else 's'}"
-    counted += "" if problem.split == "axis" else " in all splits"
-    leaf = {"constant": "one number in each leaf", "linear": "a linear model in each leaf"}[problem.leaf_model]
+    shape = problem.shape
+    depth = shape.depth if depth is None else depth
+    most = shape.max_splits if isinstance(shape.depth, AnyDepth) else shape.limited_splits
+    number = f"up to {shape.max_split_size} features in a split"
+    counted = f"{'split' if shape.split == 'axis' else 'feature'}{'' if most == 1 else 's'}"
+    counted += "" if shape.split == "axis" else " in all splits"
+    leaf = {"constant": "one number in each leaf", "linear": "a linear model in each leaf"}[shape.leaf_model]
     words = {
-        f"with {number}": problem.split == "hyperplane",
-        f"with whole coefficients up to {problem.integer_normals}": problem.integer_normals is not None,
-        "with splits of the allowed groups of features": problem.allowed_splits is not None,
+        f"with {number}": shape.split == "hyperplane",
+        f"with whole coefficients up to {shape.integer_normals}": shape.integer_normals is not None,
+        "with splits of the allowed groups of features": shape.allowed_splits is not None,
         f"with {leaf}": problem.loss.predicts == "number",
-        f"with {problem.leaf_size:,} samples or more in each leaf": problem.leaf_size > 1,
-        f"with a weight of {problem.leaf_weight or 0:g} or more in each leaf": problem.leaf_weight is not None,
+        f"with {shape.leaf_size:,} samples or more in each leaf": shape.leaf_size > 1,
+        f"with a weight of {shape.leaf_weight or 0:g} or more in each leaf": shape.leaf_weight is not None,
         f"with at most {most} {counted}": most is not None,
-        f"with sensors that cost {problem.sensor_budget or 0:g} or less": problem.sensor_budget is not None,
-        "in the order asked for": problem.monotone is not None,
-        "with the given splits": problem.fixed_splits is not None,
-        "within the rules of paths": problem.path_rules is not None,
-        f"with at most {problem.max_changes} change{'' if problem.max_changes == 1 else 's'} of the old tree": (
-            problem.max_changes is not None
+        f"with sensors that cost {shape.sensor_budget or 0:g} or less": shape.sensor_budget is not None,
+        "in the order asked for": shape.monotone is not None,
+        "with the given splits": shape.fixed_splits is not None,
+        "within the rules of paths": shape.path_rules is not None,
+        f"with at most {shape.max_changes} change{'' if shape.max_changes == 1 else 's'} of the old tree": (
+            shape.max_changes is not None
         ),
     }
     return ", ".join([depth_in_words(depth), *(said for said, holds in words.items() if holds)])

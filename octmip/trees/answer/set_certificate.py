@@ -116,7 +116,7 @@ def certify_set(problem: Problem, claimed: CountedSet, listed: Iterable[ListedTr
         a number is another one, a tree is none of the problem, twice the same, or beyond the limit.
     """
     _check_listed(problem, claimed, listed)
-    if claimed.limit is None or sum(_n_cuts(column) for column in problem.features.T) > MOST_CUTS:
+    if claimed.limit is None or sum(_n_cuts(column) for column in problem.samples.features.T) > MOST_CUTS:
         return None
     found = recount(problem, claimed.limit)
     if claimed.optimum != found.least:
@@ -160,9 +160,9 @@ def _check_listed(problem: Problem, claimed: CountedSet, listed: Iterable[Listed
 
 
 def _exact_cost(problem: Problem, tree: Node) -> Fraction:
-    price = Fraction(problem.leaf_penalty) * len(splits(tree))
-    labels = predict(tree, problem.features)
-    rows = zip(problem.weights.tolist(), problem.codes.tolist(), labels.tolist(), strict=True)
+    price = Fraction(problem.shape.leaf_penalty) * len(splits(tree))
+    labels = predict(tree, problem.samples.features)
+    rows = zip(problem.samples.weights.tolist(), problem.samples.codes.tolist(), labels.tolist(), strict=True)
     return price + sum((Fraction(w) * Fraction(float(problem.costs[i, k])) for w, i, k in rows), Fraction(0))
 
 
@@ -174,9 +174,9 @@ class _Enumeration:
         self.cuts = list(self._cuts())
         if len(self.cuts) > MOST_CUTS:
             raise CertificateError(f"the problem has {len(self.cuts)} cuts, too many to enumerate its trees")
-        rows = zip(problem.weights.tolist(), problem.codes.tolist(), strict=True)
+        rows = zip(problem.samples.weights.tolist(), problem.samples.codes.tolist(), strict=True)
         costs = [[Fraction(w) * Fraction(float(c)) for c in problem.costs[code]] for w, code in rows]
-        price = Fraction(problem.leaf_penalty)
+        price = Fraction(problem.shape.leaf_penalty)
         self.units = math.lcm(price.denominator, *(cost.denominator for row in costs for cost in row))
         self.price, self.limit = int(price * self.units), math.floor(limit * self.units)
         self.costs = [[int(cost * self.units) for cost in row] for row in costs]
@@ -187,9 +187,9 @@ class _Enumeration:
         self.leaves = cache(self._leaves)
 
     def _cuts(self) -> Iterable[_Cut]:
-        for feature in range(self.problem.n_features):
-            if self.problem.is_allowed((feature,)):
-                column = self.problem.features[:, feature]
+        for feature in range(self.problem.samples.n_features):
+            if self.problem.shape.is_allowed((feature,)):
+                column = self.problem.samples.features[:, feature]
                 is_missing = np.isnan(column)
                 lefts = [column <= low for low in _thresholds(column)]
                 if is_missing.any():  # each of them sends missing readings left or right, or asks for nothing else
@@ -198,11 +198,11 @@ class _Enumeration:
                     yield feature, sum(1 << int(i) for i in np.flatnonzero(left))
 
     def _fits(self, sensors: frozenset[int]) -> bool:
-        return math.fsum(self.problem.sensor_costs[list(sensors)]) <= self.problem.sensor_limit
+        return math.fsum(self.problem.shape.sensor_costs[list(sensors)]) <= self.problem.shape.sensor_limit
 
     def _leaves(self, samples: int) -> list[int]:
         members = [row for i, row in enumerate(self.costs) if samples >> i & 1]
-        return [sum(row[k] for row in members) for k in range(self.problem.n_classes)]
+        return [sum(row[k] for row in members) for k in range(self.problem.samples.n_classes)]
 
     def _sides(self, samples: int) -> Iterable[tuple[int, frozenset[int], int, int]]:
         """Yield each way to split some samples in two once for every feature: cuts that part them alike are one."""
@@ -210,9 +210,9 @@ class _Enumeration:
         for feature, mask in self.cuts:
             left, right = samples & mask, samples & ~mask
             parts = feature, min(left, right)  # whichever side is called left
-            if min(left.bit_count(), right.bit_count()) >= self.problem.leaf_size and parts not in seen:
+            if min(left.bit_count(), right.bit_count()) >= self.problem.shape.leaf_size and parts not in seen:
                 seen.add(parts)
-                yield feature, frozenset([int(self.problem.sensor_index[feature])]), left, right
+                yield feature, frozenset([int(self.problem.shape.sensor_index[feature])]), left, right
 
     def _of_split(self, sensor: frozenset[int], left: int, right: int, depth: int) -> _Counts:
         counts: _Counts = Counter()
@@ -239,7 +239,7 @@ class _Enumeration:
         for label, cost in enumerate(self.leaves(samples)):
             if cost <= self.limit:
                 found[(label,) * members, frozenset()] = cost
-        order = [i for i in range(self.problem.n_samples) if samples >> i & 1]
+        order = [i for i in range(self.problem.samples.n_samples) if samples >> i & 1]
         for _, sensor, left, right in self.sides(samples) if depth else ():
             is_left = [bool(left >> i & 1) for i in order]
             rights = self.vectors(right, depth - 1).items()
@@ -253,19 +253,19 @@ class _Enumeration:
         return found
 
     def recount(self) -> Recount:
-        every, depth = (1 << self.problem.n_samples) - 1, self.problem.depth
+        every, depth = (1 << self.problem.samples.n_samples) - 1, self.problem.shape.depth
         by_root: dict[str, int] = defaultdict(int)
         total: _Counts = Counter((cost, frozenset()) for cost in self.leaves(every) if cost <= self.limit)
         by_root[""] = sum(total.values())
         for feature, sensor, left, right in self.sides(every):
             counts = self._of_split(sensor, left, right, depth - 1)
-            by_root[self.problem.feature_names[feature]] += sum(counts.values())
+            by_root[self.problem.samples.feature_names[feature]] += sum(counts.values())
             total.update(counts)
         spectrum: dict[Fraction, int] = defaultdict(int)
         by_sensors: dict[tuple[str, ...], int] = defaultdict(int)
         for (cost, read), n in total.items():
             spectrum[Fraction(cost, self.units)] += n
-            by_sensors[tuple(self.problem.sensors[s] for s in sorted(read))] += n
+            by_sensors[tuple(self.problem.shape.sensors[s] for s in sorted(read))] += n
         return Recount(
             least=min(cost for cost, n in spectrum.items() if n),
             trees=sum(spectrum.values()),

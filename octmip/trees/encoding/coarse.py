@@ -44,11 +44,11 @@ class Coarse:
     @classmethod
     def of(cls, problem: Problem, n_cuts: int) -> "Coarse":
         """Return the problem over intervals with at most `n_cuts` cuts of each feature; splits are axis-aligned."""
-        cuts = tuple(_cuts(column, n_cuts) for column in problem.features.T)
-        intervals = np.empty(problem.features.shape)
-        for j, (column, places) in enumerate(zip(problem.features.T, cuts, strict=True)):
+        cuts = tuple(_cuts(column, n_cuts) for column in problem.samples.features.T)
+        intervals = np.empty(problem.samples.features.shape)
+        for j, (column, places) in enumerate(zip(problem.samples.features.T, cuts, strict=True)):
             intervals[:, j] = np.where(np.isnan(column), np.nan, np.searchsorted(places, column))
-        return cls(replace(problem, features=intervals), cuts, n_cuts)
+        return cls(problem.replace(features=intervals), cuts, n_cuts)
 
     @property
     def scope(self) -> str:

@@ -96,7 +96,7 @@ class IntegerCosts:
 
     def whole_objective(self, problem: Problem, tree: Node) -> int:
         """Return the objective of a tree as the core counts it."""
-        paid = self.weights * self.costs[self.rows, predict(tree, problem.features)]
+        paid = self.weights * self.costs[self.rows, predict(tree, problem.samples.features)]
         return int(paid.sum()) + self.penalty * complexity(tree)
 
 
@@ -112,16 +112,17 @@ def integer_costs(problem: Problem, known: Node | None = None) -> IntegerCosts:
 
 def _whole_costs(problem: Problem) -> IntegerCosts | None:
     """Return the costs of a problem whose objectives are whole numbers of some power of two, all below `CAPACITY`."""
-    weight_exponent, cost_exponent = (max(0, whole_exponent(array)) for array in (problem.weights, problem.costs))
-    weights = floors(problem.weights, power_of_two(weight_exponent), MOST)
+    true = problem.samples.weights
+    weight_exponent, cost_exponent = (max(0, whole_exponent(array)) for array in (true, problem.costs))
+    weights = floors(true, power_of_two(weight_exponent), MOST)
     costs = floors(problem.costs.ravel(), power_of_two(cost_exponent), MOST).reshape(problem.costs.shape)
     most = float(weights.sum(dtype=np.float64)) * max(float(costs.max()), 1.0)
     if most + 1 >= CAPACITY:
         return None
     # A penalty above every other cost is cut to just above: no tree with a split is optimal either way, where none must
     # have one.
-    price = Fraction(problem.leaf_penalty) * power_of_two(weight_exponent + cost_exponent)
-    n_asked = problem.most_asked_splits
+    price = Fraction(problem.shape.leaf_penalty) * power_of_two(weight_exponent + cost_exponent)
+    n_asked = problem.shape.most_asked_splits
     more = price.denominator.bit_length() - 1 if price < most + 1 or n_asked else 0
     if (Fraction(most) + n_asked * price) * 2**more + 1 >= CAPACITY:
         return None
@@ -129,7 +130,9 @@ def _whole_costs(problem: Problem) -> IntegerCosts | None:
     penalty = int(price * 2**more) if n_asked else min(int(price * 2**more), above_all)
     exponent = weight_exponent + cost_exponent + more
     zero = Fraction(0)
-    return IntegerCosts(weights, problem.codes, costs << more, penalty, exponent, weight_exponent, zero, False, 0.0)
+    return IntegerCosts(
+        weights, problem.samples.codes, costs << more, penalty, exponent, weight_exponent, zero, False, 0.0
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -161,29 +164,30 @@ class _Excess:
 
     @classmethod
     def of(cls, problem: Problem, known: Node | None) -> "_Excess":
+        samples = problem.samples
         table = [[Fraction(cost) for cost in row] for row in problem.costs.tolist()]
         exact = tuple(tuple(cost - min(row) for cost in row) for row in table)
-        scales = [int(np.frexp(top)[1]) for top in (problem.weights.max(), float(max(map(max, exact))))]
-        weights = np.ldexp(problem.weights, -scales[0])
+        scales = [int(np.frexp(top)[1]) for top in (samples.weights.max(), float(max(map(max, exact))))]
+        weights = np.ldexp(samples.weights, -scales[0])
         costs = np.array([[float(cost * power_of_two(-scales[1])) for cost in row] for row in exact])
-        price = Fraction(problem.leaf_penalty) * power_of_two(-sum(scales))
-        asked = float(problem.most_asked_splits * price)
-        most = float((np.bincount(problem.codes, weights, problem.n_classes) @ costs).min()) + asked
+        price = Fraction(problem.shape.leaf_penalty) * power_of_two(-sum(scales))
+        asked = float(problem.shape.most_asked_splits * price)
+        most = float((np.bincount(samples.codes, weights, samples.n_classes) @ costs).min()) + asked
         if known is not None:
             penalty = complexity(known) * price
             if penalty < most:
-                paid = math.fsum(weights * costs[problem.codes, predict(known, problem.features)])
+                paid = math.fsum(weights * costs[samples.codes, predict(known, samples.features)])
                 most = min(most, paid + float(penalty))
         return cls(weights, exact, costs, sum(scales), most * LOWERED, asked)
 
 
 def _rounded_costs(problem: Problem, known: Node | None) -> IntegerCosts:
     excess = _Excess.of(problem, known)
-    highest = excess.weights * excess.costs.max(axis=1)[problem.codes]
+    highest = excess.weights * excess.costs.max(axis=1)[problem.samples.codes]
     total = float(np.minimum(highest, 4 * excess.most).sum()) + excess.asked or 1.0
     exponent = math.floor(math.log2(ROUNDED_CAPACITY) - math.log2(total)) - excess.scale
-    exact = whole_exponent(problem.weights) + whole_exponent(problem.costs)
-    exponent = min(exponent, max(exact, whole_exponent(np.array([problem.leaf_penalty]))))
+    exact = whole_exponent(problem.samples.weights) + whole_exponent(problem.costs)
+    exponent = min(exponent, max(exact, whole_exponent(np.array([problem.shape.leaf_penalty]))))
     while (grid := _Grid(problem, excess, exponent)).total > ROUNDED_CAPACITY:
         exponent -= 1
     return grid.costs()
@@ -202,18 +206,19 @@ class _Grid:
     """
 
     def __init__(self, problem: Problem, excess: _Excess, exponent: int) -> None:
+        samples = problem.samples
         self.problem, self.excess, self.exponent = problem, excess, exponent
         above = int(Fraction(excess.most) * power_of_two(excess.scale + exponent)) + 1
         self.step = _common_step(problem, excess, exponent, above)
         self.cap = -(-above // self.step) * self.step
-        self.weights = np.zeros(problem.n_samples, dtype=np.int64)
-        self.rows = problem.codes.copy()
-        self.table: list[list[int] | None] = [None] * problem.n_classes
+        self.weights = np.zeros(samples.n_samples, dtype=np.int64)
+        self.rows = samples.codes.copy()
+        self.table: list[list[int] | None] = [None] * samples.n_classes
         self.loss = 0.0  # in units of 2**-exponent
-        members = [np.flatnonzero((problem.codes == c) & (problem.weights > 0)) for c in range(problem.n_classes)]
+        members = [np.flatnonzero((samples.codes == c) & (samples.weights > 0)) for c in range(samples.n_classes)]
         many = [c for c, prices in enumerate(excess.exact) if len({price for price in prices if price}) > 1]
-        n_own = sum(len(np.unique(problem.weights[members[c]])) for c in many)
-        for c in range(problem.n_classes):
+        n_own = sum(len(np.unique(samples.weights[members[c]])) for c in many)
+        for c in range(samples.n_classes):
             if c not in many:
                 self._add_single(c, members[c])
             elif n_own <= MOST_OWN_ROWS:
@@ -236,17 +241,17 @@ class _Grid:
 
     def _add_single(self, c: int, members: NDArray[np.int64]) -> None:
         price = max(self.excess.exact[c])
-        weights = floors(self.problem.weights[members], price * power_of_two(self.exponent), self.cap)
+        weights = floors(self.problem.samples.weights[members], price * power_of_two(self.exponent), self.cap)
         past = weights % self.step
         self._add(c, [int(cost > 0) for cost in self.excess.exact[c]], members, weights - past)
         self.loss += len(members) + float(past.sum(dtype=float))
 
     def _add_own(self, c: int, members: NDArray[np.int64]) -> None:
-        for weight in np.unique(self.problem.weights[members]).tolist():
+        for weight in np.unique(self.problem.samples.weights[members]).tolist():
             scaled = Fraction(weight) * power_of_two(self.exponent)
             row = [min(self.cap, int(scaled * price)) for price in self.excess.exact[c]]
             past = [cost % self.step for cost in row]
-            equal = members[self.problem.weights[members] == weight]
+            equal = members[self.problem.samples.weights[members] == weight]
             row = [cost - more for cost, more in zip(row, past, strict=True)]
             self._add(c, row, equal, np.ones(len(equal), dtype=np.int64))
             self.loss += len(equal) * (1.0 + max(past))
@@ -256,7 +261,7 @@ class _Grid:
         prices = self.excess.exact[c]
         places = [price.numerator.bit_length() - price.denominator.bit_length() for price in prices if price]
         doubled = math.log2(max(2 * self.excess.most, 1e-300)) + self.excess.scale
-        powers = np.ceil(doubled - np.log2(self.problem.weights[members]))
+        powers = np.ceil(doubled - np.log2(self.problem.samples.weights[members]))
         # Above all prices nothing is cut off, below the least one everything is.
         powers = np.clip(powers, min(places) - 1, max(places) + 1)
         for power in np.unique(powers).tolist():
@@ -265,7 +270,7 @@ class _Grid:
 
     def _add_product(self, c: int, prices: list[Fraction], members: NDArray[np.int64]) -> None:
         """Add a row for some samples, weights and prices rounded at the powers of two that lose least."""
-        weights, highest = self.problem.weights[members], max(prices)
+        weights, highest = self.problem.samples.weights[members], max(prices)
         # A weight loses up to 2^-a of the highest price, a price up to 2^-b of the sum of the weights: best when equal.
         place = highest.numerator.bit_length() - highest.denominator.bit_length()
         equal = (self.exponent + round(math.log2(float(weights.mean()))) - place) // 2
@@ -294,14 +299,14 @@ class _Grid:
 
     def costs(self) -> IntegerCosts:
         """Return the costs on the grid."""
-        problem, table = self.problem, [row or [0] * self.problem.n_classes for row in self.table]
-        costs = np.array([row + [max(row)] * (len(table) - problem.n_classes) for row in table], dtype=np.int64)
-        price = Fraction(problem.leaf_penalty) * power_of_two(self.exponent)
-        n_prices = min(2.0**problem.depth - 1, problem.n_samples) * problem.max_split_size
+        problem, table = self.problem, [row or [0] * self.problem.samples.n_classes for row in self.table]
+        costs = np.array([row + [max(row)] * (len(table) - problem.samples.n_classes) for row in table], dtype=np.int64)
+        price = Fraction(problem.shape.leaf_penalty) * power_of_two(self.exponent)
+        n_prices = min(2.0**problem.shape.depth - 1, problem.samples.n_samples) * problem.shape.max_split_size
         penalty = min(int(price), self.cap)
         penalty -= penalty % self.step
         loss = self.loss + (float(price - penalty) * n_prices if price < self.cap else 0)
-        is_exact = self.exponent >= whole_exponent(problem.weights) + whole_exponent(problem.costs)
+        is_exact = self.exponent >= whole_exponent(problem.samples.weights) + whole_exponent(problem.costs)
         if is_exact and self.step == 1 and (price.denominator == 1 or price > self.cap):
             loss = 0.0
         return IntegerCosts(
@@ -321,7 +326,7 @@ class _Grid:
         base = Fraction(0)
         for c, cheapest in enumerate(self.problem.costs.min(axis=1).tolist()):
             if cheapest:
-                base += exact_sum(self.problem.weights[self.problem.codes == c]) * Fraction(cheapest)
+                base += exact_sum(self.problem.samples.weights[self.problem.samples.codes == c]) * Fraction(cheapest)
         return base
 
 
@@ -330,12 +335,13 @@ def _common_step(problem: Problem, excess: _Excess, exponent: int, above: int) -
 
     The cap is the next multiple. What lies between would be rounded down to the cost of the known tree: then it is 1.
     """
-    if len(np.unique(problem.weights)) > MOST_DISTINCT:
+    samples = problem.samples
+    if len(np.unique(samples.weights)) > MOST_DISTINCT:
         return 1
-    counted = [np.unique(problem.weights[problem.codes == c]).tolist() for c in range(problem.n_classes)]
+    counted = [np.unique(samples.weights[samples.codes == c]).tolist() for c in range(samples.n_classes)]
     pairs = zip(counted, excess.exact, strict=True)
     values = {Fraction(weight) * price for weights, row in pairs for weight in weights for price in set(row)}
-    every = sorted(value * power_of_two(exponent) for value in values | {Fraction(problem.leaf_penalty)})
+    every = sorted(value * power_of_two(exponent) for value in values | {Fraction(problem.shape.leaf_penalty)})
     scaled = [value for value in every if 0 < value <= above]  # what is more is lowered to the cap
     if not scaled or len(scaled) > MOST_DISTINCT or scaled[-1] > MOST_STEPS * scaled[0]:
         return 1

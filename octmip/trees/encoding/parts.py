@@ -22,19 +22,19 @@ NamedRow = tuple[list[tuple[int, int | None]], bool, list[int | None]]
 
 def rules_of(problem: Problem, ranks: Ranks) -> dict[str, Any]:
     """Return what the core's search for a shape is told of parts."""
-    banned = banned_below(problem.rules_of_paths, problem.n_features)
-    columns = [ranks.columns_of(feature) for feature in range(problem.n_features)]
+    banned = banned_below((problem.shape.path_rules or ()), problem.samples.n_features)
+    columns = [ranks.columns_of(feature) for feature in range(problem.samples.n_features)]
     below = [[column for feature in sorted(features) for column in columns[feature]] for features in banned]
     return {
         "given": _given_rows(problem, ranks),
         "old": _old_rows(problem, ranks),
-        "max_changes": problem.max_changes,
+        "max_changes": problem.shape.max_changes,
         "bans": [below[ranks.feature(column)] for column in range(ranks.n_columns)],
     }
 
 
 def _given_rows(problem: Problem, ranks: Ranks) -> list[NamedRow]:
-    given = {part.path: part for part in problem.given_splits}
+    given = {part.path: part for part in problem.shape.fixed_splits or ()}
     paths = sorted({path[:k] for path in given for k in range(len(path) + 1)}, key=lambda path: (len(path), path))
     row_of = {path: k for k, path in enumerate(paths)}
 
@@ -60,7 +60,7 @@ def _splits(feature: int, threshold: float | None, ranks: Ranks) -> list[tuple[i
 
 
 def _old_rows(problem: Problem, ranks: Ranks) -> list[NamedRow]:
-    thresholds = {part.path: part.threshold for part in problem.given_splits}
+    thresholds = {part.path: part.threshold for part in problem.shape.fixed_splits or ()}
     rows: list[NamedRow] = []
 
     def add(node: Node, path: str) -> int | None:
@@ -74,7 +74,7 @@ def _old_rows(problem: Problem, ranks: Ranks) -> list[NamedRow]:
         rows[index] = ([_nowhere(node, ranks)] if is_moved else _kept(node, ranks)), False, sides
         return index
 
-    add(problem.old_tree or Leaf(0), "")
+    add(problem.shape.old_tree or Leaf(0), "")
     return rows
 
 
@@ -97,14 +97,14 @@ def _nowhere(split: Split, ranks: Ranks) -> tuple[int, int]:
 def with_given_thresholds(problem: Problem, tree: Node) -> Node:
     """Return a tree with the given thresholds, and those of the old tree, wherever they part its samples alike."""
     given: Mapping[str, float] = {
-        part.path: part.threshold for part in problem.given_splits if part.threshold is not None
+        part.path: part.threshold for part in problem.shape.fixed_splits or () if part.threshold is not None
     }
 
     def told(node: Node, old: Node | None, path: str, rows: NDArray[np.int64]) -> Node:
         if isinstance(node, Leaf):
             return node
         assert isinstance(node, Split)
-        is_left = goes_left(node, problem.features, rows)
+        is_left = goes_left(node, problem.samples.features, rows)
         before = old if isinstance(old, Split) else None
         left = told(node.left, before and before.left, path + "L", rows[is_left])
         right = told(node.right, before and before.right, path + "R", rows[~is_left])
@@ -115,11 +115,11 @@ def with_given_thresholds(problem: Problem, tree: Node) -> Node:
             thresholds = [before.threshold] if is_alike and before.threshold is not None else []
         for threshold in thresholds:
             moved = replace(found, threshold=threshold)
-            if (goes_left(moved, problem.features, rows) == is_left).all():
+            if (goes_left(moved, problem.samples.features, rows) == is_left).all():
                 return moved
         return found
 
-    return told(tree, problem.old_tree, "", np.arange(problem.n_samples))
+    return told(tree, problem.shape.old_tree, "", np.arange(problem.samples.n_samples))
 
 
 def with_old_sides(problem: Problem, tree: Node) -> Node:
@@ -131,10 +131,12 @@ def with_old_sides(problem: Problem, tree: Node) -> Node:
     def told(node: Node, old: Node | None, rows: NDArray[np.int64]) -> Node:
         if not isinstance(node, Split) or not isinstance(old, Split):
             return node
-        is_left = goes_left(node, problem.features, rows)
+        is_left = goes_left(node, problem.samples.features, rows)
         left, right = told(node.left, old.left, rows[is_left]), told(node.right, old.right, rows[~is_left])
         is_alike = (old.feature, old.threshold) == (node.feature, node.threshold)
-        is_free = is_alike and old.missing is not None and not np.isnan(problem.features[rows, node.feature]).any()
+        is_free = (
+            is_alike and old.missing is not None and not np.isnan(problem.samples.features[rows, node.feature]).any()
+        )
         return replace(node, left=left, right=right, missing=old.missing if is_free else node.missing)
 
-    return told(tree, problem.old_tree, np.arange(problem.n_samples))
+    return told(tree, problem.shape.old_tree, np.arange(problem.samples.n_samples))

@@ -145,13 +145,14 @@ class Ranks:
 
 def rank_features(problem: Problem) -> Ranks:
     """Return the dense ranks of every feature of a problem, two columns for each that lacks readings."""
-    with_missing = problem.features_with_missing if problem.takes_missing else ()
+    samples = problem.samples
+    with_missing = samples.features_with_missing if samples.takes_missing else ()
     if not with_missing:
-        return Ranks.of(problem.features)
-    n_columns = [2 if feature in with_missing else 1 for feature in range(problem.n_features)]
-    feature_of = tuple(np.repeat(np.arange(problem.n_features), n_columns).tolist())
+        return Ranks.of(samples.features)
+    n_columns = [2 if feature in with_missing else 1 for feature in range(samples.n_features)]
+    feature_of = tuple(np.repeat(np.arange(samples.n_features), n_columns).tolist())
     missing = tuple(side for count in n_columns for side in (SIDES if count == 2 else (None,)))
-    columns = problem.features[:, feature_of]
+    columns = samples.features[:, feature_of]
     for column, side in enumerate(missing):
         if side is not None:
             columns[np.isnan(columns[:, column]), column] = -np.inf if side == "left" else np.inf
@@ -177,6 +178,7 @@ def native_arguments(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> dic
     ProblemError
         splits are hyperplanes and readings are missing, of which the core knows nothing.
     """
+    shape = problem.shape
     feature_of = [ranks.feature(column) for column in range(ranks.n_columns)]
     return {
         "ranks": ranks.table,
@@ -185,28 +187,29 @@ def native_arguments(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> dic
         "weights": costs.weights,
         "costs": costs.costs,
         "penalty": costs.penalty,
-        "depth": problem.depth,
-        "leaf_size": problem.leaf_size,
-        "sensor_of_feature": problem.sensor_index[feature_of].tolist(),
-        "sensor_cost": problem.sensor_costs.tolist(),
-        "sensor_limit": problem.sensor_limit,
-        "allowed": [problem.is_allowed((feature,)) for feature in feature_of],
+        "depth": shape.depth,
+        "leaf_size": shape.leaf_size,
+        "sensor_of_feature": shape.sensor_index[feature_of].tolist(),
+        "sensor_cost": shape.sensor_costs.tolist(),
+        "sensor_limit": shape.sensor_limit,
+        "allowed": [shape.is_allowed((feature,)) for feature in feature_of],
         "planes": _planes(problem),
     }
 
 
 def _planes(problem: Problem) -> dict[str, Any] | None:
     """Return data of hyperplane splits beside the ranks: values (n_samples, n_features) and the limits of a split."""
-    if problem.max_split_size == 1:
+    shape = problem.shape
+    if shape.max_split_size == 1:
         return None
-    refuse_missing(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
-    groups = problem.allowed_splits
+    refuse_missing(problem.samples.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
+    groups = shape.allowed_splits
     members = None if groups is None else [[int(feature) for feature in group] for group in groups]
     return {
-        "values": np.ascontiguousarray(problem.features),
-        "split_size": problem.max_split_size,
+        "values": np.ascontiguousarray(problem.samples.features),
+        "split_size": shape.max_split_size,
         "groups": members,
-        "integer_normals": problem.integer_normals,
+        "integer_normals": shape.integer_normals,
     }
 
 

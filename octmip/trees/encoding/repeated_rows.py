@@ -40,8 +40,8 @@ def unit_of(weights: NDArray[np.float64], most: int) -> float | None:
 
 def units_of(problem: Problem) -> list[float]:
     """Return the units to count a problem's leaves by, that of the fewest rows first."""
-    least = problem.least_leaf_weight
-    weights = problem.weights[problem.weights > 0]
+    least = problem.shape.least_leaf_weight
+    weights = problem.samples.weights[problem.samples.weights > 0]
     light = weights[weights < least]
     exact = unit_of(light, MOST_ROWS) if len(light) else least
     total, n = float(np.minimum(weights, least).sum()), len(weights)
@@ -55,8 +55,8 @@ def units_of(problem: Problem) -> list[float]:
 
 def sized_rows(problem: Problem, unit: float) -> Problem:
     """Return a problem with a `leaf_weight` over rows that are counted by a unit: every tree costs the same there."""
-    kept = np.flatnonzero(problem.weights > 0)
-    weights, least = problem.weights[kept], problem.least_leaf_weight
+    kept = np.flatnonzero(problem.samples.weights > 0)
+    weights, least = problem.samples.weights[kept], problem.shape.least_leaf_weight
     size = max(1, math.ceil(least / unit * (1 - 10 * BELOW)))
     times = np.clip(np.ceil(weights / unit * (1 - BELOW)), 1, size)
     times[weights >= least] = size

@@ -92,22 +92,22 @@ def weighted_rows(problem: Problem) -> WeightedRows | None:
     ProblemError
         leaves have a least size, and a sample would count several times.
     """
+    samples = problem.samples
     table = problem.cost_table
-    weights = problem.weights[:, None] * (table.max(axis=1, keepdims=True) - table)
+    weights = samples.weights[:, None] * (table.max(axis=1, keepdims=True) - table)
     if not weights.any():
         return None
     is_row = weights > 0
     is_row[~is_row.any(axis=1), 0] = True  # a sample without a preference counts in a leaf all the same
-    if problem.leaf_size > 1 and (is_row.sum(axis=1) > 1).any():
+    if problem.shape.leaf_size > 1 and (is_row.sum(axis=1) > 1).any():
         raise ProblemError(
-            f"leaf_size is {problem.leaf_size} with costs of single samples and {problem.n_classes} decisions; "
-            "expected leaf_size 1 or two decisions; leave leaf_size out, or solve octmip.model(problem)"
+            f"leaf_size is {problem.shape.leaf_size} with costs of single samples and {samples.n_classes} "
+            "decisions; expected leaf_size 1 or two decisions; leave leaf_size out, or solve octmip.model(problem)"
         )
     sample, label = np.nonzero(is_row)
-    rows = replace(
-        problem,
-        features=problem.features[sample],
-        targets=np.array(problem.class_names)[label],
+    rows = problem.replace(
+        features=samples.features[sample],
+        targets=np.array(samples.class_names)[label],
         weights=weights[sample, label],
         loss=ClassCosts(),
     )
@@ -116,7 +116,7 @@ def weighted_rows(problem: Problem) -> WeightedRows | None:
 
 def _base_and_spread(problem: Problem, weights: list[list[float]]) -> tuple[Fraction, Fraction]:
     base = spread = Fraction(0)
-    for weight, costs, row in zip(problem.weights.tolist(), problem.cost_table.tolist(), weights, strict=True):
+    for weight, costs, row in zip(problem.samples.weights.tolist(), problem.cost_table.tolist(), weights, strict=True):
         each = [Fraction(one) for one in row]
         whole = sum(each, Fraction(0))
         errors = [Fraction(weight) * Fraction(cost) - whole + own for cost, own in zip(costs, each, strict=True)]

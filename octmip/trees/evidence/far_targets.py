@@ -27,7 +27,7 @@ def reach(problem: Problem, objective: float) -> int:
     """
     if objective <= 0:
         return FARTHEST
-    lightest = float(problem.weights[problem.weights > 0].min())
+    lightest = float(problem.samples.weights[problem.samples.weights > 0].min())
     slopes = problem.number_loss.slopes
     power, flattest = (2, 1.0) if slopes is None else (1, min(slopes.up, slopes.down) / slopes.over)
     return min(FARTHEST, math.ceil((math.log2(objective) - math.log2(lightest) - math.log2(flattest)) / power) + 2)

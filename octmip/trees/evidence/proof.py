@@ -26,7 +26,7 @@ from octmip.trees.question.problem_file import data_digest, question_digest
 from octmip.trees.question.problem_values import refuse_missing
 
 FORMATS = {"axis": "octmip-proof 3", "hyperplane": "octmip-proof 3 two-feature"}
-"""First line of a log, by `Problem.split`; where readings are missing " missing" stands behind it."""
+"""First line of a log, by `Shape.split`; where readings are missing " missing" stands behind it."""
 MOST_DEPTH, MOST_FEATURES = 2, 2  # of trees of two-feature splits that have logs
 
 NO_THREAD = "no thread to check on"
@@ -59,7 +59,7 @@ def log_header(problem: Problem, costs: IntegerCosts, claim: int) -> str:
         return proof_header(problem, (costs.weight_exponent, costs.exponent - costs.weight_exponent), claim)
     numbers = {
         "unit": [costs.exponent],
-        "costs": costs.costs[:, : problem.n_classes].ravel().tolist(),
+        "costs": costs.costs[:, : problem.samples.n_classes].ravel().tolist(),
         "rows": costs.rows.tolist(),
         "weights": costs.weights.tolist(),
         "penalty": [costs.penalty],
@@ -74,9 +74,9 @@ def proof_header(problem: Problem, exponents: tuple[int, int], claim: int) -> st
 
 
 def _identity(problem: Problem) -> list[str]:
-    missing = " missing" if problem.n_missing else ""
+    missing = " missing" if problem.samples.n_missing else ""
     return [
-        f"{FORMATS[problem.split]}{missing}",
+        f"{FORMATS[problem.shape.split]}{missing}",
         f"data {data_digest(problem)}",
         f"question {question_digest(problem)}",
     ]
@@ -115,22 +115,23 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
 
 def check_provable(problem: Problem) -> None:
     """Raise a `ProblemError` if the trees of a problem have no proof logs."""
+    shape = problem.shape
     if not problem.is_provable:
         raise ProblemError(
-            f"split is {problem.split!r} and leaf_model {problem.leaf_model!r}, which have no proof log; expected "
-            "axis-aligned regression trees with one number in each leaf; leave the log out"
+            f"split is {shape.split!r} and leaf_model {shape.leaf_model!r}, which have no proof log; "
+            "expected axis-aligned regression trees with one number in each leaf; leave the log out"
         )
-    if problem.is_shaped or problem.any_depth or problem.leaf_weight is not None:
+    if shape.is_shaped or shape.any_depth or shape.leaf_weight is not None:
         raise ProblemError(
             "a proof log has no lines for the bounds of given parts, an order, a number of splits, a weight of leaves "
             "or trees without a depth; leave the log out, or ask for a depth alone"
         )
-    if problem.split == "hyperplane":
-        refuse_missing(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
-    if problem.split == "hyperplane" and (problem.depth > MOST_DEPTH or problem.max_split_size > MOST_FEATURES):
+    if shape.split == "hyperplane":
+        refuse_missing(problem.samples.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
+    if shape.split == "hyperplane" and (shape.depth > MOST_DEPTH or shape.max_split_size > MOST_FEATURES):
         raise ProblemError(
-            f"depth {problem.depth} with {problem.max_split_size} features per split has no proof log; expected depth "
-            f"{MOST_DEPTH} and {MOST_FEATURES} features at most, or split='axis'"
+            f"depth {shape.depth} with {shape.max_split_size} features per split has no proof log; "
+            f"expected depth {MOST_DEPTH} and {MOST_FEATURES} features at most, or split='axis'"
         )
 
 
@@ -140,19 +141,20 @@ def _refused(path: str | Path, line: int, reason: str) -> CertificateError:
 
 def checker_question(problem: Problem) -> _native.Question:
     """Return the problem as the checker reads it: values, weights and costs as they were given."""
-    groups = problem.allowed_splits
+    shape = problem.shape
+    groups = shape.allowed_splits
     return _native.Question(
-        features=np.ascontiguousarray(problem.features, dtype=np.float64),
-        labels=problem.codes.astype(np.uint32),
-        weights=np.ascontiguousarray(problem.weights),
+        features=np.ascontiguousarray(problem.samples.features, dtype=np.float64),
+        labels=problem.samples.codes.astype(np.uint32),
+        weights=np.ascontiguousarray(problem.samples.weights),
         costs=np.ascontiguousarray(problem.costs),
-        depth=problem.depth,
-        is_hyperplane=problem.split == "hyperplane",
-        split_size=problem.max_split_size,
-        leaf_size=problem.leaf_size,
-        leaf_penalty=problem.leaf_penalty,
-        sensor_of_feature=problem.sensor_index.tolist(),
-        sensor_cost=problem.sensor_costs.tolist(),
-        sensor_limit=problem.sensor_limit,
+        depth=shape.depth,
+        is_hyperplane=shape.split == "hyperplane",
+        split_size=shape.max_split_size,
+        leaf_size=shape.leaf_size,
+        leaf_penalty=shape.leaf_penalty,
+        sensor_of_feature=shape.sensor_index.tolist(),
+        sensor_cost=shape.sensor_costs.tolist(),
+        sensor_limit=shape.sensor_limit,
         allowed_splits=None if groups is None else [[int(feature) for feature in group] for group in groups],
     )

@@ -26,17 +26,18 @@ SUM_BITS, COST_BITS, WEIGHT_BITS = 52, 59, 26
 
 def checker_question(problem: Problem) -> _native.RegressionQuestion:
     """Return the problem as the checker reads it: values, targets and weights as they were given."""
+    shape = problem.shape
     return _native.RegressionQuestion(
-        features=np.ascontiguousarray(problem.features),
-        targets=np.ascontiguousarray(problem.targets),
-        weights=np.ascontiguousarray(problem.weights),
+        features=np.ascontiguousarray(problem.samples.features),
+        targets=np.ascontiguousarray(problem.samples.targets),
+        weights=np.ascontiguousarray(problem.samples.weights),
         slopes=problem.number_loss.slopes,
-        depth=problem.depth,
-        leaf_size=problem.leaf_size,
-        leaf_penalty=problem.leaf_penalty,
-        sensor_of_feature=problem.sensor_index.tolist(),
-        sensor_cost=problem.sensor_costs.tolist(),
-        sensor_limit=problem.sensor_limit,
+        depth=shape.depth,
+        leaf_size=shape.leaf_size,
+        leaf_penalty=shape.leaf_penalty,
+        sensor_of_feature=shape.sensor_index.tolist(),
+        sensor_cost=shape.sensor_costs.tolist(),
+        sensor_limit=shape.sensor_limit,
     )
 
 
@@ -75,13 +76,13 @@ class LogScale(NamedTuple):
 
 def log_scale(problem: Problem, wanted: float) -> LogScale:
     """Return the exponents of weights, targets, costs and reach: as fine a grid as the checker has room for."""
-    exponent = whole_exponent(problem.weights)
-    total = _bits(problem.weights, exponent)
+    exponent = whole_exponent(problem.samples.weights)
+    total = _bits(problem.samples.weights, exponent)
     if total > WEIGHT_BITS:
         exponent -= total - WEIGHT_BITS
         total = WEIGHT_BITS
     farthest = reach(problem, wanted)
-    gaps = np.minimum(np.diff(np.unique(problem.targets)), math.ldexp(1.0, min(farthest, 1000)))
+    gaps = np.minimum(np.diff(np.unique(problem.samples.targets)), math.ldexp(1.0, min(farthest, 1000)))
     if not len(gaps):
         return LogScale(exponent, 0, 0, FARTHEST)
     # Gaps and their sum are rounded.

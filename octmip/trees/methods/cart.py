@@ -60,11 +60,12 @@ def greedy_tree(
     ProblemError
         from the limits only; every Problem has a greedy tree, in the worst case a single leaf.
     """
+    shape = problem.shape
     start = time.perf_counter()
-    builder = _GreedyBuilder(problem, rank_features(problem), seed, limits.nodes, problem.depth)
+    builder = _GreedyBuilder(problem, rank_features(problem), seed, limits.nodes, shape.depth)
     builder, tree = _grown_in_time(builder, start + limits.seconds)
-    stop = Stop.FINISHED if builder.levels == problem.depth else Stop.TIME
-    if problem.sensor_cost_of(tree) > problem.sensor_limit:
+    stop = Stop.FINISHED if builder.levels == shape.depth else Stop.TIME
+    if shape.sensor_cost_of(tree) > shape.sensor_limit:
         tree, stop = _within_budget(builder, start + limits.seconds)
     return greedy_solution(problem, problem.with_sides(tree), seed, stop, time.perf_counter() - start)
 
@@ -100,8 +101,8 @@ class _GreedyBuilder:
         """Return the features that may be split on at all: allowed, and not constant."""
         usable = [
             j
-            for j in range(self.problem.n_features)
-            if self.problem.is_allowed((j,)) and self.ranks.n_values[self.column(j)] > 1
+            for j in range(self.problem.samples.n_features)
+            if self.problem.shape.is_allowed((j,)) and self.ranks.n_values[self.column(j)] > 1
         ]
         return np.array(usable, dtype=np.int64)
 
@@ -111,36 +112,36 @@ class _GreedyBuilder:
 
     def lacks(self, feature: int, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Return which of the rows lack the reading of a feature."""
-        return np.asarray(np.isnan(self.problem.features[rows, feature]))
+        return np.asarray(np.isnan(self.problem.samples.features[rows, feature]))
 
     def build(self, features: NDArray[np.int64]) -> Node:
         """Return CART on these features, its leaves and splits judged by the objective of the problem."""
         from sklearn.tree import DecisionTreeClassifier, DecisionTreeRegressor  # only here: it takes a CPU second
 
         problem = self.problem
-        least = problem.least_leaf_weight / (problem.weights.sum() or 1.0)
+        least = problem.shape.least_leaf_weight / (problem.samples.weights.sum() or 1.0)
         if len(features) == 0 or least > 0.5:  # two leaves of so much weight there are not
             return problem.best_leaf()
-        limits: dict[str, float] = {"max_depth": self.levels, "min_samples_leaf": problem.leaf_size}
+        limits: dict[str, float] = {"max_depth": self.levels, "min_samples_leaf": problem.shape.leaf_size}
         limits |= {"random_state": self.seed, "min_weight_fraction_leaf": least}
-        targets = problem.codes
+        targets = problem.samples.codes
         if problem.loss.predicts == "class":
             grower = DecisionTreeClassifier(**limits)
         else:
             criterion = "squared_error" if problem.number_loss.slopes is None else "absolute_error"
             grower = DecisionTreeRegressor(criterion=criterion, **limits)
             targets, *_ = unit_sized(targets)
-        if self.most_splits < problem.n_samples - 1:  # best first
+        if self.most_splits < problem.samples.n_samples - 1:  # best first
             grower.set_params(max_leaf_nodes=max(2, int(self.most_splits) + 1))
-        columns = np.empty((problem.n_samples, len(features)), dtype=np.float32)
+        columns = np.empty((problem.samples.n_samples, len(features)), dtype=np.float32)
         for k, feature in enumerate(features.tolist()):
             columns[:, k] = self.ranks.column(self.column(feature))
-            if problem.takes_missing:
-                columns[np.isnan(problem.features[:, feature]), k] = np.nan
+            if problem.samples.takes_missing:
+                columns[np.isnan(problem.samples.features[:, feature]), k] = np.nan
         with warnings.catch_warnings():  # scikit-learn doubts that so many classes are classes
             warnings.filterwarnings("ignore", message="The number of unique classes", category=UserWarning)
-            grower.fit(columns, targets, sample_weight=problem.weights)
-        return self._pruned(grower.tree_, 0, features, np.arange(problem.n_samples))[0]
+            grower.fit(columns, targets, sample_weight=problem.samples.weights)
+        return self._pruned(grower.tree_, 0, features, np.arange(problem.samples.n_samples))[0]
 
     def _pruned(
         self, grown: "sklearn.tree._tree.Tree", node: int, features: NDArray[np.int64], rows: NDArray[np.int64]
@@ -155,7 +156,7 @@ class _GreedyBuilder:
             return leaf, leaf_cost
         left_tree, left_cost = self._pruned(grown, grown.children_left[node], features, rows[left])
         right_tree, right_cost = self._pruned(grown, grown.children_right[node], features, rows[~left])
-        cost = left_cost + right_cost + self.problem.leaf_penalty
+        cost = left_cost + right_cost + self.problem.shape.leaf_penalty
         if cost >= leaf_cost:
             return leaf, leaf_cost
         return replace(split, left=left_tree, right=right_tree), cost
@@ -170,10 +171,10 @@ class _GreedyBuilder:
         if is_missing.any():
             missing = SIDES[0] if grown.missing_go_to_left[node] else SIDES[1]
             left[is_missing] = missing == "left"
-        if min(int(left.sum()), int((~left).sum())) < self.problem.leaf_size:
+        if min(int(left.sum()), int((~left).sum())) < self.problem.shape.leaf_size:
             return None, left
-        weights = self.problem.weights[rows]
-        if min(weights[left].sum(), weights[~left].sum()) < self.problem.least_leaf_weight:
+        weights = self.problem.samples.weights[rows]
+        if min(weights[left].sum(), weights[~left].sum()) < self.problem.shape.least_leaf_weight:
             return None, left
         below, above = ranks[left & ~is_missing], ranks[~left & ~is_missing]
         if not len(below) or not len(above):
@@ -200,13 +201,13 @@ def _grown_in_time(builder: _GreedyBuilder, deadline: float) -> tuple[_GreedyBui
     scikit-learn looks at no clock, and at each level goes through all samples, columns and classes.
     """
     problem, start = builder.problem, time.perf_counter()
-    work = problem.features.size * max(1, problem.n_classes) * problem.depth
+    work = problem.samples.features.size * max(1, problem.samples.n_classes) * problem.shape.depth
     usable = builder.usable_features()
-    if math.isinf(deadline) or work < MEASURED_WORK or problem.depth == 1:
+    if math.isinf(deadline) or work < MEASURED_WORK or problem.shape.depth == 1:
         return builder, builder.build(usable)
     shallow = replace(builder, levels=1)
     tree, now = shallow.build(usable), time.perf_counter()
-    levels = min(problem.depth, int((deadline - now) / max(now - start, 1e-9)))
+    levels = min(problem.shape.depth, int((deadline - now) / max(now - start, 1e-9)))
     if levels <= 1:
         return shallow, tree
     deeper = replace(builder, levels=levels)
@@ -217,8 +218,8 @@ def _within_budget(builder: _GreedyBuilder, deadline: float) -> tuple[Node, Stop
     """Return the best of the trees grown while sensors are added one by one, and why that ended."""
     problem = builder.problem
     usable = builder.usable_features()
-    sensor_of_usable = problem.sensor_index[usable]
-    chosen = set(np.flatnonzero(problem.sensor_costs == 0).tolist())
+    sensor_of_usable = problem.shape.sensor_index[usable]
+    chosen = set(np.flatnonzero(problem.shape.sensor_costs == 0).tolist())
     best = builder.build(usable[np.isin(sensor_of_usable, list(chosen))])
     best_rank = _rank(problem, best)
     while affordable := _affordable(problem, chosen, set(sensor_of_usable.tolist())):
@@ -236,8 +237,8 @@ def _within_budget(builder: _GreedyBuilder, deadline: float) -> tuple[Node, Stop
 
 
 def _affordable(problem: Problem, chosen: set[int], useful: set[int]) -> list[int]:
-    spent = math.fsum(problem.sensor_costs[sensor] for sensor in chosen)
-    return [s for s in sorted(useful - chosen) if spent + problem.sensor_costs[s] <= problem.sensor_limit]
+    spent = math.fsum(problem.shape.sensor_costs[sensor] for sensor in chosen)
+    return [s for s in sorted(useful - chosen) if spent + problem.shape.sensor_costs[s] <= problem.shape.sensor_limit]
 
 
 def _rank(problem: Problem, tree: Node) -> tuple[float, int]:

@@ -90,7 +90,7 @@ def branch_and_bound(
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
-        Where a shape is asked for (`Problem.is_shaped`) ties stay, and under `monotone` thresholds too.
+        Where a shape is asked for (`Shape.is_shaped`) ties stay, and under `monotone` thresholds too.
 
     Raises
     ------
@@ -110,13 +110,13 @@ def branch_and_bound(
         check_writable(proof)
     ranks = rank_features(problem)
     kept = None
-    if options.checkpoint is not None and not problem.is_shaped:  # such a search has no state
+    if options.checkpoint is not None and not problem.shape.is_shaped:  # such a search has no state
         kept = StateEntry(options.checkpoint, problem, ranks, every_of(options))
     search = _Search(problem, limits, n_jobs, progress, started, ranks, kept, options.cluster)
     if proof is not None:  # a log has no line for these bounds, and to search them out takes longer than the limit
         search.off = [*search.off, "level_below", "cancelling"]
     search.search(start)
-    may_break = break_ties and search.stop is Stop.OPTIMAL and not problem.is_shaped
+    may_break = break_ties and search.stop is Stop.OPTIMAL and not problem.shape.is_shaped
     ties = search.smaller() if may_break else dict(UNBROKEN)
     if proof is not None:
         with logged(proof, search.stop, lambda: search.solution(seed, ties)):
@@ -167,7 +167,7 @@ class _Search:
     def solution(self, seed: int, ties: dict[str, str]) -> Solution:
         """Return what was found and proven."""
         tree = None if self.tree is None else self.problem.with_sides(self.tree)
-        if tree is not None and self.problem.old_tree is not None:
+        if tree is not None and self.problem.shape.old_tree is not None:
             tree = with_old_sides(self.problem, tree)
         return Solution(
             tree=tree,
@@ -193,20 +193,20 @@ class _Search:
     @property
     def shape(self) -> dict[str, Any]:
         """What the native core's search for a shape is told."""
-        most, directions = self.problem.limited_splits, self.problem.directions
+        most, directions = self.problem.shape.limited_splits, self.problem.shape.directions
         return {
-            "max_splits": 2**self.problem.depth - 1 if most is None else most,
+            "max_splits": 2**self.problem.shape.depth - 1 if most is None else most,
             "directions": [directions[self.ranks.feature(column)] for column in range(self.ranks.n_columns)],
-            "rules": rules_of(self.problem, self.ranks) if self.problem.has_parts else None,
+            "rules": rules_of(self.problem, self.ranks) if self.problem.shape.has_parts else None,
         }
 
     @property
     def scope(self) -> dict[str, object]:
         """Which trees the bound holds for, where it does not hold for all: deeper ones pay for as many splits."""
-        holds = not self.problem.any_depth or self.bound <= (MAX_DEPTH + 1) * self.problem.leaf_penalty
+        holds = not self.problem.shape.any_depth or self.bound <= (MAX_DEPTH + 1) * self.problem.shape.leaf_penalty
         return (
             {}
-            if holds or self.problem.depth < MAX_DEPTH
+            if holds or self.problem.shape.depth < MAX_DEPTH
             else {"scope": f"trees {limits_in_words(self.problem, MAX_DEPTH)}"}
         )
 
@@ -217,7 +217,7 @@ class _Search:
         self.known, best, n_nodes = known, self.tree, self.n_nodes
         if known is not None:
             tree = tree_from_rows(known.best[1], self.ranks)
-            is_within = self.problem.sensor_cost_of(tree) <= self.problem.sensor_limit
+            is_within = self.problem.shape.sensor_cost_of(tree) <= self.problem.shape.sensor_limit
             if is_within and (best is None or self.problem.objective(tree) <= self.problem.objective(best)):
                 best = tree
             n_nodes = max(n_nodes, known.n_nodes)
@@ -241,7 +241,7 @@ class _Search:
         with contextlib.nullcontext() if self.kept is None else self.kept.going_on():
             limits = self.limits.remaining(began, self.n_nodes)
             progress = native_progress(self.progress, costs.value, before)
-            if not self.problem.is_shaped:
+            if not self.problem.shape.is_shaped:
                 result = _native.branch_and_bound(
                     native, first, limits, self.n_jobs, self.off, progress, checkpoint=saving, submit=submit
                 )
@@ -255,11 +255,11 @@ class _Search:
         self.bound = max(self.bound, lower)
         if result.objective == NO_TREE:
             return self._without_tree(stop)
-        if self.problem.monotone is not None:  # thresholds and labels are where the order needs them
+        if self.problem.shape.monotone is not None:  # thresholds and labels are where the order needs them
             self._keep(tree_from_rows(result.rows, self.ranks))
             return stop
-        found = centred_tree(result.rows, self.ranks, self.problem.features)
-        if self.problem.has_parts:
+        found = centred_tree(result.rows, self.ranks, self.problem.samples.features)
+        if self.problem.shape.has_parts:
             found = with_given_thresholds(self.problem, found)
         self._keep(found)
         if costs.is_rounded:
@@ -272,7 +272,7 @@ class _Search:
 
     def _in_no_order(self, native: _native.Problem, costs: IntegerCosts, began: float) -> _native.Found | None:
         """Return the best tree in no order, which often keeps the one asked for; None where it is no whole tree."""
-        if self.problem.monotone is None or self.problem.limited_splits is not None:
+        if self.problem.shape.monotone is None or self.problem.shape.limited_splits is not None:
             return None
         self._keep(self.problem.best_leaf())
 
@@ -298,11 +298,11 @@ class _Search:
         """
         if stop is not Stop.OPTIMAL:
             return stop
-        asked = [name for name in ("fixed_splits", "path_rules", "max_changes") if getattr(self.problem, name)]
+        asked = [name for name in ("fixed_splits", "path_rules", "max_changes") if getattr(self.problem.shape, name)]
         raise NoTreeError(
-            f"no tree of depth {self.problem.depth} with leaves of {self.problem.leaf_size} samples or more has what "
-            f"{' and '.join(asked) or 'max_changes'} asks for: a given split, or one that must stay, leaves a side "
-            "empty or too small; ask for less, or give more depth"
+            f"no tree of depth {self.problem.shape.depth} with leaves of {self.problem.shape.leaf_size} samples or "
+            f"more has what {' and '.join(asked) or 'max_changes'} asks for: a given split, or one that must stay, "
+            "leaves a side empty or too small; ask for less, or give more depth"
         )
 
     def _keep(self, tree: Node | None, least: float = 0.0) -> None:
@@ -326,7 +326,7 @@ class _Search:
         _, costs, _ = self.proven
         effort = Effort(self.started + self.limits.seconds, self.limits, self.n_jobs)
         rows, ties = break_ties(self.problem, self.ranks, costs, rows_from_tree(self.tree, self.ranks), effort)
-        smaller = centred_tree(rows, self.ranks, self.problem.features)
+        smaller = centred_tree(rows, self.ranks, self.problem.samples.features)
         self._keep(smaller)
         return ties if self.tree is smaller else dict(UNBROKEN)
 
@@ -351,7 +351,7 @@ class _Search:
 
 
 def _check(problem: Problem, n_jobs: int) -> None:
-    if problem.split != "axis":
+    if problem.shape.split != "axis":
         raise ProblemError(
             "the exact core finds axis-aligned trees but split is 'hyperplane'; use method 'search' or 'oct_h'"
         )

@@ -30,37 +30,38 @@ def merged(problem: Problem) -> tuple[Problem, Ranks]:
     Rows without weight are left out where leaves may be of any size. The order of the rows is that of their values,
     then of their targets.
     """
-    if problem.integer_normals is not None:
-        problem = replace(problem, integer_normals=min(problem.integer_normals, MOST_INTEGER))
-    if problem.leaf_size == 1:
-        problem = _taken(problem, _weighted(problem), problem.weights)
+    if problem.shape.integer_normals is not None:
+        problem = problem.replace(integer_normals=min(problem.shape.integer_normals, MOST_INTEGER))
+    if problem.shape.leaf_size == 1:
+        problem = _taken(problem, _weighted(problem), problem.samples.weights)
     ranks = rank_features(problem)
     is_class = problem.loss.predicts == "class"
-    codes = problem.codes if is_class else np.unique(problem.codes, return_inverse=True)[1]
+    codes = problem.samples.codes if is_class else np.unique(problem.samples.codes, return_inverse=True)[1]
     group, first = _groups(ranks, codes)
-    if problem.leaf_size > 1 or len(first) == problem.n_samples:
-        rows, weights = np.argsort(group, kind="stable"), problem.weights
+    if problem.shape.leaf_size > 1 or len(first) == problem.samples.n_samples:
+        rows, weights = np.argsort(group, kind="stable"), problem.samples.weights
     else:
-        rows, weights = first, np.zeros(problem.n_samples)
-        weights[first] = np.bincount(group, problem.weights)
+        rows, weights = first, np.zeros(problem.samples.n_samples)
+        weights[first] = np.bincount(group, problem.samples.weights)
     # Every distinct value is still there, so the ranks stay.
     return _taken(problem, rows, weights), replace(ranks, table=ranks.table.of_rows(rows))
 
 
 def _weighted(problem: Problem) -> NDArray[np.intp]:
     """Return the rows that weigh anything; all rows where the others cannot be left out."""
-    rows = np.flatnonzero(problem.weights)
-    if len(rows) == problem.n_samples:
+    samples = problem.samples
+    rows = np.flatnonzero(samples.weights)
+    if len(rows) == samples.n_samples:
         return rows
-    sizes = np.nan_to_num(np.abs(problem.features))  # a missing reading lies nowhere
+    sizes = np.nan_to_num(np.abs(samples.features))  # a missing reading lies nowhere
     is_far = (sizes.max(axis=0) / FAR > sizes[rows].max(axis=0)).any()
-    has_one_class = len(set(problem.codes[rows].tolist())) == 1
-    return np.arange(problem.n_samples) if is_far or has_one_class else rows
+    has_one_class = len(set(samples.codes[rows].tolist())) == 1
+    return np.arange(samples.n_samples) if is_far or has_one_class else rows
 
 
 def _taken(problem: Problem, rows: NDArray[np.intp], weights: NDArray[np.float64]) -> Problem:
     """Return the problem of these rows, in this order."""
-    if np.array_equal(rows, np.arange(problem.n_samples)):
+    if np.array_equal(rows, np.arange(problem.samples.n_samples)):
         return problem
     return problem.of_rows(rows, weights=weights[rows])
 

@@ -52,12 +52,12 @@ def feasible_incumbent(problem: Problem, incumbent: Node | Solution | None) -> N
     given = incumbent.tree if isinstance(incumbent, Solution) else incumbent
     if given is None:
         raise ProblemError("the incumbent solution holds no tree; leave it out or give a tree")
-    if problem.split == "axis" and any(isinstance(split, HyperplaneSplit) for split in splits(given)):
+    if problem.shape.split == "axis" and any(isinstance(split, HyperplaneSplit) for split in splits(given)):
         raise _refused("it has a split over a hyperplane but split is 'axis'")
     forbidden = first_forbidden_split(problem, given)  # before samples are routed: a feature may not exist
     if forbidden:
         raise _refused(forbidden)
-    tree = without_empty_sides(given, problem.features)
+    tree = without_empty_sides(given, problem.samples.features)
     try:
         checked_leaf_index(problem, tree)
     except CertificateError as error:
@@ -114,10 +114,10 @@ def relabelled(problem: Problem, tree: Node, rows: NDArray[np.int64] | None = No
 
     On the grid of whole numbers light samples may cost nothing, and two labels be equal that are not.
     """
-    rows = np.arange(problem.n_samples) if rows is None else rows
+    rows = np.arange(problem.samples.n_samples) if rows is None else rows
     if isinstance(tree, Leaf):
         return Leaf(int(problem.class_costs(rows).argmin())) if len(rows) else tree
-    left = goes_left(tree, problem.features, rows)
+    left = goes_left(tree, problem.samples.features, rows)
     sides = [relabelled(problem, side, rows[part]) for side, part in ((tree.left, left), (tree.right, ~left))]
     return replace(tree, left=sides[0], right=sides[1])
 

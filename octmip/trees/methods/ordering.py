@@ -44,10 +44,10 @@ MOST_WORK = 2**20
 
 def ordered(problem: Problem, tree: Node) -> Node:
     """Return a tree whose leaves keep the problem's order; the tree itself if it does."""
-    if problem.monotone is None or disorder(tree, problem.directions) is None:
+    if problem.shape.monotone is None or disorder(tree, problem.shape.directions) is None:
         return tree
     tree = _aligned(problem, tree)
-    if disorder(tree, problem.directions) is None:
+    if disorder(tree, problem.shape.directions) is None:
         return tree
     found = [_pooled(problem, tree)]
     if problem.loss.predicts == "number" and (best := _lower_sets(problem, tree)) is not None:
@@ -57,10 +57,10 @@ def ordered(problem: Problem, tree: Node) -> Node:
 
 def _aligned(problem: Problem, tree: Node) -> Node:
     """Return the tree with thresholds moved between samples, where fewer leaves are then out of order."""
-    if len(splits(tree)) > MOST_SPLITS or problem.takes_missing:
+    if len(splits(tree)) > MOST_SPLITS or problem.samples.takes_missing:
         return tree
-    count = n_disorders(tree, problem.directions)
-    gaps = list(_gaps(problem, tree, np.arange(problem.n_samples), ()))
+    count = n_disorders(tree, problem.shape.directions)
+    gaps = list(_gaps(problem, tree, np.arange(problem.samples.n_samples), ()))
     known = {(feature, place) for _, feature, low, high in gaps for place in (low, math.nextafter(high, low))}
     for split in splits(tree):
         assert isinstance(split, Split)  # hyperplanes have no order
@@ -69,7 +69,7 @@ def _aligned(problem: Problem, tree: Node) -> Node:
     for path, feature, low, high in gaps:
         for place in sorted(place for other, place in known if other == feature and low <= place < high):
             moved = _moved(tree, path, place)
-            if count and (fewer := n_disorders(moved, problem.directions)) < count:
+            if count and (fewer := n_disorders(moved, problem.shape.directions)) < count:
                 tree, count = moved, fewer
     return tree
 
@@ -81,8 +81,8 @@ def _gaps(
     if isinstance(tree, Leaf):
         return
     assert not isinstance(tree, HyperplaneSplit)
-    is_left = goes_left(tree, problem.features, rows)
-    values = problem.features[rows, tree.feature].astype(np.float64)
+    is_left = goes_left(tree, problem.samples.features, rows)
+    values = problem.samples.features[rows, tree.feature].astype(np.float64)
     if is_left.any() and not is_left.all():
         yield path, tree.feature, float(values[is_left].max()), float(values[~is_left].min())
     yield from _gaps(problem, tree.left, rows[is_left], (*path, False))
@@ -100,10 +100,10 @@ def _moved(tree: Node, path: tuple[bool, ...], place: float) -> Node:
 
 def _pooled(problem: Problem, tree: Node) -> Node:
     """Return the tree where leaves out of order have one prediction, the nearest two first."""
-    reached = leaf_index(tree, problem.features)
+    reached = leaf_index(tree, problem.samples.features)
     predicted = leaves(tree)
     group = np.arange(len(predicted))
-    while (found := disorder(tree, problem.directions)) is not None:
+    while (found := disorder(tree, problem.shape.directions)) is not None:
         group[group == group[found[1]]] = group[found[0]]
         together = group == group[found[0]]
         pooled, _ = problem.leaf_and_cost(np.flatnonzero(together[reached]))
@@ -114,17 +114,18 @@ def _pooled(problem: Problem, tree: Node) -> Node:
 
 def _lower_sets(problem: Problem, tree: Node) -> Node | None:
     """Return the tree with the best numbers in order; None where its leaves are too many, or rounding is in the way."""
+    samples = problem.samples
     n_leaves = len(leaves(tree))
     is_mean = problem.number_loss.slopes is None
-    if n_leaves > MOST_LEAVES or (not is_mean and problem.n_samples << n_leaves > MOST_WORK):
+    if n_leaves > MOST_LEAVES or (not is_mean and samples.n_samples << n_leaves > MOST_WORK):
         return None
     below = [1 << leaf for leaf in range(n_leaves)]
-    for i, j, _, way in ordered_pairs(tree, problem.directions):
+    for i, j, _, way in ordered_pairs(tree, problem.shape.directions):
         low, high = (i, j) if way > 0 else (j, i)
         below[high] |= 1 << low
-    reached = leaf_index(tree, problem.features)
+    reached = leaf_index(tree, samples.features)
     rows_of = [np.flatnonzero(reached == leaf) for leaf in range(n_leaves)]
-    sums = np.array([[problem.weights[rows].sum(), problem.weights[rows] @ problem.codes[rows]] for rows in rows_of])
+    sums = np.array([[samples.weights[rows].sum(), samples.weights[rows] @ samples.codes[rows]] for rows in rows_of])
 
     def rows(mask: int) -> NDArray[np.int64]:
         return np.concatenate([rows_of[leaf] for leaf in range(n_leaves) if mask >> leaf & 1])
@@ -147,4 +148,4 @@ def _lower_sets(problem: Problem, tree: Node) -> Node | None:
         predicted = [leaf if chosen >> k & 1 else old for k, old in enumerate(predicted)]
         done |= chosen
     found = with_leaves(tree, iter(predicted))
-    return found if disorder(found, problem.directions) is None else None
+    return found if disorder(found, problem.shape.directions) is None else None

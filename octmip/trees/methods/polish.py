@@ -40,8 +40,8 @@ def polished(problem: Problem, tree: Node, goes_on: GoesOn = lambda: True) -> No
 
     Planes stay as they are once `goes_on` says no, and where simpler ones could overflow on some sample of the problem.
     """
-    largest = np.abs(problem.features).max(axis=0)
-    return _polished(_Polish(problem, largest, goes_on), tree, np.arange(problem.n_samples))
+    largest = np.abs(problem.samples.features).max(axis=0)
+    return _polished(_Polish(problem, largest, goes_on), tree, np.arange(problem.samples.n_samples))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +60,7 @@ class _Polish:
 def _polished(polish: _Polish, tree: Node, rows: NDArray[np.intp]) -> Node:
     if isinstance(tree, Leaf):
         return tree
-    features = polish.problem.features
+    features = polish.problem.samples.features
     left = goes_left(tree, features[rows])
     if isinstance(tree, HyperplaneSplit) and left.any() and not left.all() and polish.goes_on():
         tree = _simpler(polish, tree, features[rows], left)
@@ -123,7 +123,7 @@ def _simpler(polish: _Polish, split: HyperplaneSplit, samples: Floats, left: NDA
     if not np.isfinite(units.normal).all():
         return split
     normal = _without_idle_features(polish, units, left)
-    if polish.problem.integer_normals is not None:
+    if polish.problem.shape.integer_normals is not None:
         normal = np.where(normal == 0.0, 0.0, split.coefficients)
     elif polish.goes_on():
         normal = units.given(_wide_and_short(units.samples, normal, left))

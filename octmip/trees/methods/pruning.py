@@ -102,7 +102,7 @@ def priced_prunings(problem: Problem, tree: Node, *, by_impurity: bool = False) 
 
 
 def _impurity(problem: Problem, rows: NDArray[np.int64]) -> float:
-    weights = np.bincount(problem.codes[rows], problem.weights[rows])
+    weights = np.bincount(problem.samples.codes[rows], problem.samples.weights[rows])
     total = float(weights.sum())
     return total - float(weights @ weights) / total if total > 0 else 0.0
 
@@ -112,7 +112,7 @@ def _links_of(problem: Problem, tree: Node, by_impurity: bool) -> _Links:
     as_leaf: list[float] = []
     right: list[int] = []
     parent: list[int] = []
-    stack: list[tuple[Node, NDArray[np.int64], int, bool]] = [(tree, np.arange(problem.n_samples), -1, False)]
+    stack: list[tuple[Node, NDArray[np.int64], int, bool]] = [(tree, np.arange(problem.samples.n_samples), -1, False)]
     while stack:
         subtree, rows, above, is_right = stack.pop()
         here = len(leaves)
@@ -124,7 +124,7 @@ def _links_of(problem: Problem, tree: Node, by_impurity: bool) -> _Links:
         if is_right:
             right[above] = here
         if not isinstance(subtree, Leaf):
-            left = goes_left(subtree, problem.features, rows)
+            left = goes_left(subtree, problem.samples.features, rows)
             right[here] = 0  # a split; its right child comes later
             stack += [(subtree.right, rows[~left], here, True), (subtree.left, rows[left], here, False)]
     links = _Links(leaves, *map(np.array, (as_leaf, as_leaf, np.zeros(len(leaves), np.int64), right, parent)))
@@ -160,27 +160,27 @@ def pruned(problem: Problem, tree: Node, max_splits: int | None) -> Node:
         best: list[tuple[float, Node]] = [(cost, leaf)]
         if isinstance(node, Leaf):
             return best
-        is_left = goes_left(node, problem.features, rows)
+        is_left = goes_left(node, problem.samples.features, rows)
         lefts, rights = by_number(node.left, rows[is_left]), by_number(node.right, rows[~is_left])
         size = len(node.features)
         for number in range(1, min(most, complexity(node)) + 1):
             found = best[-1]
             for n_left in range(min(number - size, len(lefts) - 1) + 1):
                 left, right = lefts[n_left], rights[min(number - size - n_left, len(rights) - 1)]
-                cost = left[0] + right[0] + size * problem.leaf_penalty
+                cost = left[0] + right[0] + size * problem.shape.leaf_penalty
                 if cost < found[0]:
                     found = cost, replace(node, left=left[1], right=right[1])
             best.append(found)
         return best
 
-    return by_number(tree, np.arange(problem.n_samples))[-1][1]
+    return by_number(tree, np.arange(problem.samples.n_samples))[-1][1]
 
 
 def fitting(problem: Problem, solution: Solution) -> Solution:
     """Return a solution whose tree has the shape of a shaped problem: pruned and put in order where it has not."""
     if solution.tree is None:
         return solution
-    tree = ordered(problem, pruned(problem, solution.tree, problem.max_splits))
+    tree = ordered(problem, pruned(problem, solution.tree, problem.shape.max_splits))
     if tree is solution.tree:
         return solution
     stop = Stop.FINISHED if solution.stop is Stop.OPTIMAL else solution.stop

@@ -92,7 +92,7 @@ def local_search(
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
     searched, ranks = merged(problem)
     effort, costs = _effort(searched), integer_costs(searched)
-    first = None if known is None else rows_from_tree(without_empty_sides(known, searched.features), ranks)
+    first = None if known is None else rows_from_tree(without_empty_sides(known, searched.samples.features), ranks)
     n_restarts = effort[0] if options.restarts is None else int(options.restarts)
     n_perturbations = effort[1] if options.perturbations is None else int(options.perturbations)
     shared: Cluster | None = options.cluster
@@ -128,11 +128,11 @@ def local_search(
 
 def _effort(problem: Problem) -> tuple[int, int]:
     """Return restarts and perturbations where the caller names none."""
-    least = EFFORT[problem.split]
-    if problem.split != "axis":
+    least = EFFORT[problem.shape.split]
+    if problem.shape.split != "axis":
         return least
     restarts, perturbations = (
-        max(few, min(many, small // problem.features.size))
+        max(few, min(many, small // problem.samples.features.size))
         for few, many, small in zip(least, MOST_EFFORT, SMALL, strict=True)
     )
     return restarts, perturbations
@@ -149,4 +149,4 @@ def _stop(name: str, objective: float) -> Stop:
 def _finished(problem: Problem, tree: Node, goes_on: Callable[[], bool]) -> Node:
     """Return the tree with leaves labelled by the true costs, no idle splits, thresholds in mid-gap, simple planes."""
     simple = simplify(relabelled(problem, tree))
-    return polished(problem, centred(simple, problem.features), goes_on)
+    return polished(problem, centred(simple, problem.samples.features), goes_on)

@@ -37,7 +37,7 @@ def break_ties(
     Every cost is multiplied by more than the splits that a tree can have, and a split costs one more: the cheapest tree
     of that problem is a cheapest one of this, and has the fewest splits of those.
     """
-    factor = min(2**problem.depth, problem.n_samples)
+    factor = min(2**problem.shape.depth, problem.samples.n_samples)
     finer = replace(costs, costs=costs.costs * factor, penalty=costs.penalty * factor + 1)
     largest = float(finer.weights.sum()) * float(finer.costs.max()) + finer.penalty * factor
     if largest >= CAPACITY:
@@ -58,12 +58,13 @@ def _fewest_sensors(
     One sensor fewer at a time, as a budget, until no tree within it is as cheap: none of still fewer is, as cost never
     falls when sensors are taken away.
     """
+    shape = problem.shape
     cost, rows = best
-    is_bound = math.fsum(problem.sensor_costs) > problem.sensor_limit
-    if is_bound and np.ptp(problem.sensor_costs) > 0:
+    is_bound = math.fsum(shape.sensor_costs) > shape.sensor_limit
+    if is_bound and np.ptp(shape.sensor_costs) > 0:
         return rows, "not broken: a budget of sensors of different cost is kept"
-    while n_sensors := len(problem.sensors_used(tree_from_rows(rows, ranks))):
-        fewer = replace(problem, sensor_cost=[1.0] * len(problem.sensors), sensor_budget=float(n_sensors - 1))
+    while n_sensors := len(shape.sensors_used(tree_from_rows(rows, ranks))):
+        fewer = problem.replace(sensor_cost=[1.0] * len(shape.sensors), sensor_budget=float(n_sensors - 1))
         leaf: NodeRow = {"label": 0}
         # Stands for "a tree that costs one more": what comes back in its place is as cheap as `best`.
         found, least, is_proven = effort.search(native_problem(fewer, ranks, costs), (cost + 1, [leaf]))

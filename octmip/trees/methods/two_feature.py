@@ -100,7 +100,8 @@ def two_feature_branch_and_bound(
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
     ranks, kept, state, first = rank_features(problem), None, None, known
     costs = integer_costs(problem, first)
-    if options.checkpoint is not None and problem.depth == MOST_DEPTH:  # one level is one scan, which has no state
+    has_state = problem.shape.depth == MOST_DEPTH  # one level is one scan
+    if options.checkpoint is not None and has_state:
         kept = StateEntry(options.checkpoint, problem, ranks, every_of(options))
         if (read := kept.read_two_feature()) is not None:
             first, costs, state = read
@@ -126,7 +127,7 @@ def two_feature_branch_and_bound(
             *call,
             checkpoint=None if kept is None else (kept.every, save, state),
         )
-    found = _centred(relabelled(problem, tree_from_rows(result.rows, ranks)), problem.features)
+    found = _centred(relabelled(problem, tree_from_rows(result.rows, ranks)), problem.samples.features)
     tree, objective = better(problem, better(problem, found, first)[0], known)
     bound, stop = result.bound, result.stop
     lower = costs.value(bound)
@@ -157,25 +158,26 @@ def _open_stop(problem: Problem, stop: str) -> Stop:
     """Return why a search that did not meet its bound ended: a limit, or all nodes done and rounding in the way."""
     if stop not in ("optimal", "finished"):
         return Stop(stop)
-    return Stop.NUMERICS if problem.integer_normals is None else Stop.FINISHED
+    return Stop.NUMERICS if problem.shape.integer_normals is None else Stop.FINISHED
 
 
 def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
     details: dict[str, object] = {"arithmetic": "float64 as given"}
-    if problem.integer_normals is not None:
+    if problem.shape.integer_normals is not None:
         # Trees of real coefficients include those of whole ones: their bound holds, but need not be met.
         return details | {"coefficients": "whole; the bound is that of real ones"}
     return details | {"numerically_undecided": is_open}
 
 
 def _check(problem: Problem, n_jobs: int) -> None:
-    if problem.depth > MOST_DEPTH:
+    shape = problem.shape
+    if shape.depth > MOST_DEPTH:
         raise ProblemError(
-            f"depth is {problem.depth} but two-feature trees are proven to depth {MOST_DEPTH}; take method='search'"
+            f"depth is {shape.depth} but two-feature trees are proven to depth {MOST_DEPTH}; take method='search'"
         )
-    if problem.max_split_size > MOST_FEATURES:
+    if shape.max_split_size > MOST_FEATURES:
         raise ProblemError(
-            f"a split may have {problem.max_split_size} features; expected at most {MOST_FEATURES}; say split_size=2"
+            f"a split may have {shape.max_split_size} features; expected at most {MOST_FEATURES}; say split_size=2"
         )
     check_threads(n_jobs)
 

@@ -191,7 +191,8 @@ def solve_formulation(problem: Problem, formulate: Formulate, request: Request) 
 
 def check_heap(problem: Problem, rows: Rows) -> None:
     """Check that the nodes alone are within the limits: their ranges can fill the memory, and no model is smaller."""
-    rows.check_limits(columns=2**problem.depth * (problem.n_features + problem.n_samples + COLUMNS_OF_NODE))
+    of_node = problem.samples.n_features + problem.samples.n_samples + COLUMNS_OF_NODE
+    rows.check_limits(columns=2**problem.shape.depth * of_node)
 
 
 def _known(problem: Problem, request: Request, clock: Clock) -> Known:
@@ -222,7 +223,7 @@ def _start_values(
 ) -> tuple[NDArray[np.float64] | None, dict[str, object]]:
     """Return the values of the starting tree, None where the model does not hold it, and the details of the start."""
     said: dict[str, object] = {"objective": problem.objective(tree), "accepted": False}
-    values = formulation.start(place(tree, formulation.heap, problem.features))
+    values = formulation.start(place(tree, formulation.heap, problem.samples.features))
     if values is None:
         return None, said | {"reason": f"outside the model, which holds {formulation.scope.trees}"}
     worst, where = formulation.rows.violation(values)
@@ -274,7 +275,7 @@ def _run_once(
 
 def _is_outside(problem: Problem, formulation: Formulation, tree: Node) -> bool:
     """Whether a tree is none of those that the model holds, where it does not hold all."""
-    placed = place(tree, formulation.heap, problem.features)
+    placed = place(tree, formulation.heap, problem.samples.features)
     return not formulation.scope.is_whole and formulation.start(placed) is None
 
 
@@ -321,7 +322,7 @@ def refutation(problem: Problem, outcome: highs.Outcome, bound: float, decoded: 
     if decoded.price > outcome.objective + 0.5:
         return (
             f"HiGHS claims objective {outcome.objective} but its tree costs {decoded.price} "
-            f"when all {problem.n_samples} samples are routed through it"
+            f"when all {problem.samples.n_samples} samples are routed through it"
         )
     if decoded.price < bound - 0.5:
         return f"HiGHS claims that no tree is below {bound} but its own costs {decoded.price}"

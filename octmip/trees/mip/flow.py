@@ -81,7 +81,7 @@ class Flow:
         label_at = np.array([placed.labels.get(leaf, -1) for leaf in self.heap.leaves])
         earns = np.flatnonzero(label_at[position[self.groups.pair_group]] == self.groups.pair_label)
         values[self.f[earns, position[self.groups.pair_group[earns]]]] = 1
-        kept = np.zeros(self.problem.n_samples, dtype=bool)
+        kept = np.zeros(self.problem.samples.n_samples, dtype=bool)
         kept[self.groups.sample if self.z is not None else self.groups.sample[self.groups.pair_group[earns]]] = True
         sides = {m: all_samples_band(placed, self.heap, m) for m in placed.splits}
         if not self.node_splits.set(
@@ -134,19 +134,20 @@ def encode(
     root
         the only cuts of the root, axis-aligned, beside that of `best`; None: any.
     """
+    shape = problem.shape
     prices, rows = prices or own_prices(problem), rows or Rows()
-    ranks, heap = rank_features(problem), Heap(problem.depth)
+    ranks, heap = rank_features(problem), Heap(shape.depth)
     counts, groups = ClassCount(problem, ranks, prices), group_samples(problem, ranks, prices)
-    laid = place(best, heap, problem.features)
+    laid = place(best, heap, problem.samples.features)
     splits: Thresholds | Hyperplanes
-    if problem.max_split_size == 1:
+    if shape.max_split_size == 1:
         price = prices.of_tree(problem, best)
         cuts = admissible_cuts(problem, counts, heap, laid, price, level=fix, check=rows.check_limits, root=root)
-        splits = add_thresholds(rows, ranks, heap, cuts, problem.max_splits, penalty=prices.penalty)
+        splits = add_thresholds(rows, ranks, heap, cuts, shape.max_splits, penalty=prices.penalty)
     else:
         space = space_of(problem)
         strictness = choose_mu(space, laid, heap) if mu is None else mu
-        splits = add_hyperplanes(rows, problem, heap, space, strictness, problem.max_splits, penalty=prices.penalty)
+        splits = add_hyperplanes(rows, problem, heap, space, strictness, shape.max_splits, penalty=prices.penalty)
     c, f, z, l = _add_leaves(rows, problem, heap, groups, may_turn=isinstance(splits, Hyperplanes))  # noqa: E741
     _add_routing(rows, heap, groups, splits, f if z is None else z, groups.pair_group if z is None else None)
     _add_symmetry(rows, heap, splits, c)
@@ -162,7 +163,7 @@ def _add_leaves(
 ) -> tuple[Columns, Columns, Columns | None, Columns | None]:
     """Add c, f and, where leaf sizes are to be counted, z and l."""
     leaves, pairs = heap.leaves, range(len(groups.pair_group))
-    c = rows.columns("c", (range(problem.n_classes), leaves), integer=True)
+    c = rows.columns("c", (range(problem.samples.n_classes), leaves), integer=True)
     f_most = np.ones((len(groups.pair_group), len(leaves)))
     z_most = np.ones((len(groups.sample), len(leaves)))
     if may_turn:  # of a hyperplane and its mirror image one is enough: one sample lies rightmost wherever it is kept
@@ -173,13 +174,13 @@ def _add_leaves(
     rows.add("one_class", -np.inf, 1, (c.T, 1.0))
     label = c[groups.pair_label]
     rows.add("earned_if_chosen", -np.inf, 0, (f.reshape(-1, 1), 1.0), (label.reshape(-1, 1), -1.0))
-    if problem.leaf_size == 1:
+    if problem.shape.leaf_size == 1:
         return c, f, None, None
     z = rows.columns("z", (range(len(groups.sample)), leaves), upper=z_most, integer=True)
     l = rows.columns("l", (leaves,), integer=True)  # noqa: E741
     rows.add("one_leaf", 1, 1, (z, 1.0))
     rows.add("leaf_used", -np.inf, 0, (z.reshape(-1, 1), 1.0), (np.tile(l, len(z))[:, None], -1.0))
-    rows.add("leaf_size", 0, np.inf, (z.T, groups.size), (l[:, None], -float(problem.leaf_size)))
+    rows.add("leaf_size", 0, np.inf, (z.T, groups.size), (l[:, None], -float(problem.shape.leaf_size)))
     rows.add("earned_where_it_lies", -np.inf, 0, (f.reshape(-1, 1), 1.0), (z[groups.pair_group].reshape(-1, 1), -1.0))
     return c, f, z, l
 

@@ -22,9 +22,9 @@ def starting_tree(problem: Problem, incumbent: Node | None, seed: int) -> Node:
         tree = greedy_tree(problem, seed=seed).tree
     assert tree is not None
     tree = canonicalise(problem, tree)
-    if depth(tree) > problem.depth:
+    if depth(tree) > problem.shape.depth:
         raise ProblemError(
-            f"the incumbent has depth {depth(tree)} but the problem allows {problem.depth}; give a tree that fits"
+            f"the incumbent has depth {depth(tree)} but the problem allows {problem.shape.depth}; give a tree that fits"
         )
     leaf = Leaf(int(problem.class_costs().argmin()))
     return tree if problem.objective(tree) <= problem.objective(leaf) else leaf
@@ -36,5 +36,7 @@ def canonicalise(problem: Problem, tree: Node) -> Node:
     Where it still has more splits than `Shape.max_splits` allows, it is pruned to them.
     """
     return pruned(
-        problem, simplify(relabelled(problem, without_empty_sides(tree, problem.features))), problem.max_splits
+        problem,
+        simplify(relabelled(problem, without_empty_sides(tree, problem.samples.features))),
+        problem.shape.max_splits,
     )

@@ -100,7 +100,7 @@ class Model:
 
     def start(self, tree: Node | None = None) -> NDArray[np.float64] | None:
         """Return the values (n_columns,) of a tree, of the one to start from by default; None: the model lacks it."""
-        placed = place(self.known.tree if tree is None else tree, self.formulation.heap, self.problem.features)
+        placed = place(self.known.tree if tree is None else tree, self.formulation.heap, self.problem.samples.features)
         values = self.formulation.start(placed)
         return None if values is None or self.formulation.rows.violation(values)[0] > START_SLACK else values
 
@@ -183,7 +183,7 @@ class Model:
         """Return the tree of values as they stand, but for splits that send all samples to one side."""
         heap, formulation = self.formulation.heap, self.formulation
         raw = to_tree(heap, formulation.splits(values), formulation.labels(values))
-        return without_empty_sides(raw, self.problem.features)
+        return without_empty_sides(raw, self.problem.samples.features)
 
     def read_again(self, values: NDArray[np.float64]) -> NDArray[np.float64] | None:
         """Return the values (n_columns,) of the tree of other values, None where those split the same nodes.
@@ -192,7 +192,8 @@ class Model:
         their hyperplanes and thresholds.
         """
         formulation, families = self.formulation, self.formulation.rows.families
-        read, placed = formulation.splits(values), place(self._read(values), formulation.heap, self.problem.features)
+        read = formulation.splits(values)
+        placed = place(self._read(values), formulation.heap, self.problem.samples.features)
         split = set(read)
         if "d" in families:
             split |= {m for m, j in zip(formulation.heap.branches, families["d"][0], strict=True) if values[j] > 0.5}
@@ -248,14 +249,14 @@ def model_of(
         raise ProblemError(f"method is {method!r}; expected one of {', '.join(FORMULATIONS)}")
     if problem.loss.predicts != "class":
         raise ProblemError(f"the loss {problem.loss.name!r} has no mixed-integer model; expected classes")
-    if problem.leaf_weight is not None:
+    if problem.shape.leaf_weight is not None:
         raise ProblemError("leaf_weight is given, of which no model has a row; leave it out, or give a leaf_size")
-    refuse_missing(problem.n_missing, "the model has no side for them", "fill them in")
+    refuse_missing(problem.samples.n_missing, "the model has no side for them", "fill them in")
     rows = Rows(limit_check=Clock(limits, time.perf_counter()).check)
     check_heap(problem, rows)
     own = own_prices(problem)
     tree = starting_tree(problem, checked_incumbent(problem, start), seed)
-    most = own.worst + own.penalty * (2**problem.depth - 1) * problem.max_split_size  # no tree costs more
+    most = own.worst + own.penalty * (2**problem.shape.depth - 1) * problem.shape.max_split_size  # no tree costs more
     known = Known(tree, problem.objective(tree), whole_prices(problem, most), rows)
     options = MipOptions(mu=mu)
     return Model(problem, method, FORMULATIONS[method](problem, known, options), known)

@@ -7,7 +7,7 @@
     p(t)     parent of node t                                                             (5)
     z_it     1 if sample i lies in leaf t                                                 (6), (8)
     l_t      1 if leaf t holds samples                                                    (6), (7)
-    N_min    fewest samples in a leaf, `Problem.leaf_size`                                (7)
+    N_min    fewest samples in a leaf, `Shape.leaf_size`                                (7)
     A_L(t)   ancestors of leaf t on whose left side it lies; A_R(t) on whose right        (12), (13)
     eps_j    smallest positive difference of the values of feature j; eps_max the largest (12)
     N_kt     weight of class k in leaf t; N_t of all classes                              (15), (16)
@@ -130,10 +130,10 @@ def encode(
         what the trees below each cut of the root cost at least, for the rows of Benders; None: the rows as printed.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
-    ranks, heap = rank_features(problem), Heap(problem.depth)
+    ranks, heap = rank_features(problem), Heap(problem.shape.depth)
     x, eps = scaled_features(ranks)
-    usable = np.isin(np.arange(problem.n_features), axis.usable_features(problem, ranks))
-    features, branches = range(problem.n_features), heap.branches
+    usable = np.isin(np.arange(problem.samples.n_features), axis.usable_features(problem, ranks))
+    features, branches = range(problem.samples.n_features), heap.branches
     a = rows.columns("a", (features, branches), upper=np.repeat(usable[:, None], len(branches), 1), integer=True)
     b = rows.columns("b", (branches,))
     d = rows.columns("d", (branches,), cost=prices.penalty, integer=True)
@@ -142,8 +142,8 @@ def encode(
     if len(branches) > 1:
         parent = np.array([m // 2 - 1 for m in branches[1:]])
         rows.add("parent_splits", -np.inf, 0, (d[1:, None], 1.0), (d[parent][:, None], -1.0))
-    if problem.max_splits is not None:
-        rows.add("max_splits", -np.inf, problem.max_splits, (d, 1.0))
+    if problem.shape.max_splits is not None:
+        rows.add("max_splits", -np.inf, problem.shape.max_splits, (d, 1.0))
     leaves = add_leaves(rows, problem, heap, prices)
     shift, room = (eps.min(), 1 + eps.max()) if closed else (0.0, 1 + eps.max())
     for t, leaf in enumerate(heap.leaves):

@@ -104,8 +104,8 @@ def encode(
         an empty model to build in, watched for limits; None: a new one.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
-    heap, space = Heap(problem.depth), space_of(problem, centred=False)
-    hyperplanes = add_hyperplanes(rows, problem, heap, space, mu, problem.max_splits, penalty=prices.penalty)
+    heap, space = Heap(problem.shape.depth), space_of(problem, centred=False)
+    hyperplanes = add_hyperplanes(rows, problem, heap, space, mu, problem.shape.max_splits, penalty=prices.penalty)
     leaves = add_leaves(rows, problem, heap, prices)
     a, b, wide = hyperplanes.a, hyperplanes.b, 2 * space.reach
     for t, leaf in enumerate(heap.leaves):
@@ -128,12 +128,12 @@ def formulate(problem: Problem, known: Known, options: MipOptions) -> OctH:
     ProblemError
         the problem asks for axis-aligned trees.
     """
-    if problem.split != "hyperplane":
-        raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; choose 'oct'")
+    if problem.shape.split != "hyperplane":
+        raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.shape.split!r}; choose 'oct'")
     mu = options.mu
     if mu is None:
-        heap = Heap(problem.depth)
-        mu = choose_mu(space_of(problem, centred=False), place(known.tree, heap, problem.features), heap)
+        heap = Heap(problem.shape.depth)
+        mu = choose_mu(space_of(problem, centred=False), place(known.tree, heap, problem.samples.features), heap)
     return encode(problem, mu, prices=known.prices, rows=known.rows)
 
 

@@ -84,7 +84,7 @@ class Prices:
 
     def of_tree(self, problem: Problem, tree: Node) -> float:
         """Return the price of a tree, every sample routed."""
-        paid = self.weights * self.costs[self.profile, predict(tree, problem.features)]
+        paid = self.weights * self.costs[self.profile, predict(tree, problem.samples.features)]
         return float(paid.sum()) + self.penalty * complexity(tree)
 
     def true(self, price: float) -> float:
@@ -99,7 +99,7 @@ class Prices:
 
 def own_prices(problem: Problem) -> Prices:
     """Return the prices of a problem as they stand."""
-    return Prices(problem.weights, problem.cost_rows, problem.cost_table, problem.leaf_penalty)
+    return Prices(problem.samples.weights, problem.cost_rows, problem.cost_table, problem.shape.leaf_penalty)
 
 
 def whole_prices(problem: Problem, known: float) -> Prices:
@@ -108,7 +108,7 @@ def whole_prices(problem: Problem, known: float) -> Prices:
     if problem.has_integer_costs and max(own.worst, own.penalty) <= LARGEST:
         return own
     kinds, kind_of, counts = np.unique(
-        np.column_stack([problem.weights, problem.cost_rows]), axis=0, return_inverse=True, return_counts=True
+        np.column_stack([problem.samples.weights, problem.cost_rows]), axis=0, return_inverse=True, return_counts=True
     )
     of_class = [[Fraction(c) for c in row] for row in problem.cost_table.tolist()]
     table = [[Fraction(w) * c for c in of_class[int(y)]] for w, y in kinds.tolist()]
@@ -120,7 +120,7 @@ def whole_prices(problem: Problem, known: float) -> Prices:
         weights[kind_of],
         profile[kind_of],
         costs,
-        float(rounding.whole(Fraction(problem.leaf_penalty))),
+        float(rounding.whole(Fraction(problem.shape.leaf_penalty))),
         rounding.unit,
         rounding.above,
         rounding.below,
@@ -144,11 +144,11 @@ class _Rounding:
 
 def _rounding(problem: Problem, table: list[list[Fraction]], counts: list[int], limit: Fraction) -> _Rounding:
     """Return the rounding of the rows of `table`, each with its count of samples, and of the penalty."""
-    penalty = Fraction(problem.leaf_penalty)
+    penalty = Fraction(problem.shape.leaf_penalty)
     kept = sorted({price for row in (*table, [penalty]) for price in row if 0 < price <= limit})
     total = sum((count * min(max(row), limit) for row, count in zip(table, counts, strict=True)), Fraction(0))
     unit = _unit(kept, max(total, limit)) if kept else max(limit, Fraction(1))
-    most_features = min(2**problem.depth - 1, problem.n_samples) * problem.max_split_size
+    most_features = min(2**problem.shape.depth - 1, problem.samples.n_samples) * problem.shape.max_split_size
     above = below = Fraction(0)
     for row, count in (*zip(table, counts, strict=True), ([penalty], most_features)):
         errors = [round(price / unit) * unit - price for price in row if price <= limit]

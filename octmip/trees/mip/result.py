@@ -165,6 +165,6 @@ def normalised(problem: Problem, objective: float) -> dict[str, object]:
         return {"baseline": 0.0, "alpha": None, "normalised_objective": None}
     return {
         "baseline": baseline,
-        "alpha": problem.leaf_penalty / baseline,
+        "alpha": problem.shape.leaf_penalty / baseline,
         "normalised_objective": objective / baseline,
     }

@@ -104,7 +104,7 @@ def _decimal(number: float | Fraction | None) -> Fraction | None:
 
 def _check(problem: Problem, within: float | Fraction | None, relative: float | Fraction | None) -> None:
     refuse_unknown(problem, "near_optimal")
-    if problem.split != "axis":
+    if problem.shape.split != "axis":
         raise ProblemError("trees are counted with splits over one feature but split is 'hyperplane'; use split='axis'")
     if (within is None) == (relative is None):
         raise ProblemError(
@@ -238,7 +238,7 @@ class _Count:
         by_root: dict[str, int] = defaultdict(int)
         for place in self.places:
             feature = None if place.cut is None else self.whole.ranks.feature(place.cut.feature)
-            by_root["" if feature is None else self.problem.feature_names[feature]] += place.entry[2]
+            by_root["" if feature is None else self.problem.samples.feature_names[feature]] += place.entry[2]
         return dict(sorted(by_root.items(), key=lambda item: -item[1]))
 
     def _by_sensors(self) -> dict[tuple[str, ...], int] | None:
@@ -249,7 +249,8 @@ class _Count:
         if not is_told_apart:
             return None
         named = {
-            tuple(name for s, name in enumerate(self.problem.sensors) if mask >> s & 1): n for mask, n in masks.items()
+            tuple(name for s, name in enumerate(self.problem.shape.sensors) if mask >> s & 1): n
+            for mask, n in masks.items()
         }
         return dict(sorted(named.items(), key=lambda item: -item[1]))
 
@@ -263,7 +264,7 @@ class _Count:
             raise SolverError("the trees were not looked up: interrupted, or a count that is not theirs")
         found = []
         for (place, _), row in zip(chosen, rows, strict=True):
-            tree = centred_tree(row, self.whole.ranks, self.problem.features)
+            tree = centred_tree(row, self.whole.ranks, self.problem.samples.features)
             checked_leaf_index(self.problem, tree)
             if self.problem.exact_objective(tree) != self.whole.cost(place.entry[0]):
                 raise SolverError(f"a tree counted at {self.whole.cost(place.entry[0])} costs something else")

@@ -163,7 +163,7 @@ class NearOptimalSet:
         least: dict[str, Fraction] = {}
         for place in self._places:
             cost, mask, _ = place.entry
-            for s, sensor in enumerate(self.problem.sensors):
+            for s, sensor in enumerate(self.problem.shape.sensors):
                 if mask >> s & 1:
                     least[sensor] = min(least.get(sensor, cost * self._unit), cost * self._unit)
         return least

@@ -146,7 +146,7 @@ def sensor_roles(
         the splits are hyperplanes, `within` is no number of 0 or more, or costs span too many digits.
     """
     refuse_unknown(problem, "sensor_roles")
-    if problem.split != "axis":
+    if problem.shape.split != "axis":
         raise ProblemError("sensors are weighed with splits over one feature but split is 'hyperplane'; use 'axis'")
     if not 0 <= within < math.inf:
         raise ProblemError(f"within is {within}; expected a number of 0 or more")
@@ -159,14 +159,14 @@ def sensor_roles(
     except KeyboardInterrupt:
         interruption.note()
         forced, proven = _known_to_read(problem, calls.known[0]), False
-    leaves = (problem.exact_objective(Leaf(label)) for label in range(problem.n_classes))
+    leaves = (problem.exact_objective(Leaf(label)) for label in range(problem.samples.n_classes))
     read = (cost for cost in forced if isinstance(cost, Fraction))
     limit = min([calls.known[0].cost, *leaves, *read]) + Fraction(within)
     roles = tuple(
         _role(calls.compared(calls.without((sensor,)), limit), calls.known[0], limit, forced[s], proven)
-        for s, sensor in enumerate(problem.sensors)
+        for s, sensor in enumerate(problem.shape.sensors)
     )
-    both = tuple(calls.without(pair) for pair in combinations(problem.sensors, 2)) if pairs else ()
+    both = tuple(calls.without(pair) for pair in combinations(problem.shape.sensors, 2)) if pairs else ()
     found = SensorRoles(problem, solution, limit, roles, both, Stop.FINISHED, time.perf_counter() - started)
     if found.is_proven:
         return found
@@ -188,22 +188,21 @@ def _role(
 
 def _known_to_read(problem: Problem, best: Without) -> list[Fraction | float]:
     """Return the cost of the best tree for the sensors that it reads, no tree for the others."""
-    return [best.cost if name in best.read else NO_TREE for name in problem.sensors]
+    return [best.cost if name in best.read else NO_TREE for name in problem.shape.sensors]
 
 
 def _forced(problem: Problem, solution: Solution, calls: Calls) -> tuple[list[Fraction | float], bool]:
     """Return the least objective of the trees that read each sensor, exact or infinite, and whether all are proven."""
+    shape = problem.shape
     if interruption.is_heard():
         return _known_to_read(problem, calls.known[0]), False
-    if sum(problem.sensor_costs) > problem.sensor_limit:
+    if sum(shape.sensor_costs) > shape.sensor_limit:
         return _forced_by_sets(problem, solution, calls)
     assert solution.tree is not None
     tree = solution.tree
     whole = whole_problem(problem, tree, by_sets=False)
-    every = np.arange(problem.n_samples)
-    trees = [
-        _reading(problem, whole.ranks, tree, sensor, every, problem.depth) for sensor in range(len(problem.sensors))
-    ]
+    every = np.arange(problem.samples.n_samples)
+    trees = [_reading(problem, whole.ranks, tree, sensor, every, shape.depth) for sensor in range(len(shape.sensors))]
     known = [whole.most + 1 if t is None else whole.units(problem.exact_objective(t)) for t in trees]
     # A sensor that no tree is known to read asks for all trees: first those of the others, then it.
     first = [min(cost, max([c for c in known if c <= whole.most], default=cost)) for cost in known]
@@ -231,8 +230,9 @@ def _least(
 
 def _forced_by_sets(problem: Problem, solution: Solution, calls: Calls) -> tuple[list[Fraction | float], bool]:
     """Return the same under a budget of sensors: sets of trees, each twice as wide, until every sensor is read."""
-    least: dict[str, Fraction | float] = dict.fromkeys(problem.sensors, NO_TREE)
-    most = float(problem.weights.sum() * problem.costs.max()) + problem.leaf_penalty * 2**problem.depth
+    shape = problem.shape
+    least: dict[str, Fraction | float] = dict.fromkeys(shape.sensors, NO_TREE)
+    most = float(problem.samples.weights.sum() * problem.costs.max()) + shape.leaf_penalty * 2**shape.depth
     margin = max(problem.least_saving if math.isfinite(problem.least_saving) else most, most / 256)
     while True:
         counted = near_optimal(
@@ -247,9 +247,9 @@ def _forced_by_sets(problem: Problem, solution: Solution, calls: Calls) -> tuple
         least |= counted.least_reading
         if not counted.is_complete:
             calls.stop = counted.stop
-            return [least[name] for name in problem.sensors], False
+            return [least[name] for name in shape.sensors], False
         if all(math.isfinite(cost) for cost in least.values()) or margin > most:
-            return [least[name] for name in problem.sensors], True
+            return [least[name] for name in shape.sensors], True
         margin *= 2
 
 
@@ -257,13 +257,13 @@ def _reading(
     problem: Problem, ranks: Ranks, node: Node, sensor: int, rows: NDArray[np.int64], depth: int
 ) -> Node | None:
     """Return a good tree that reads a sensor: the given one, or one with its best cut in place of one lowest split."""
-    if isinstance(node, Split) and problem.sensor_index[node.feature] == sensor:
+    if isinstance(node, Split) and problem.shape.sensor_index[node.feature] == sensor:
         return node
     candidates = []
     if depth >= 1 and (isinstance(node, Leaf) or depth == 1):
         candidates.append(_best_stump(problem, ranks, sensor, rows))
     if isinstance(node, Split):
-        is_left = goes_left(node, problem.features, rows)
+        is_left = goes_left(node, problem.samples.features, rows)
         left = _reading(problem, ranks, node.left, sensor, rows[is_left], depth - 1)
         right = _reading(problem, ranks, node.right, sensor, rows[~is_left], depth - 1)
         candidates += [None if left is None else replace(node, left=left)]
@@ -276,27 +276,28 @@ def _cost(problem: Problem, node: Node, rows: NDArray[np.int64]) -> float:
     if isinstance(node, Leaf):
         return float(problem.class_costs(rows)[node.label])
     assert isinstance(node, Split)
-    is_left = goes_left(node, problem.features, rows)
+    is_left = goes_left(node, problem.samples.features, rows)
     sides = _cost(problem, node.left, rows[is_left]) + _cost(problem, node.right, rows[~is_left])
-    return sides + problem.leaf_penalty
+    return sides + problem.shape.leaf_penalty
 
 
 def _best_stump(problem: Problem, ranks: Ranks, sensor: int, rows: NDArray[np.int64]) -> Node | None:
     """Return the best split of some samples by a sensor's features into leaves of different labels."""
+    shape = problem.shape
     best: tuple[float, Node] | None = None
-    each = problem.weights[rows, None] * problem.costs[problem.codes[rows]]
-    for column in [c for c in range(ranks.n_columns) if problem.sensor_index[ranks.feature(c)] == sensor]:
+    each = problem.samples.weights[rows, None] * problem.costs[problem.samples.codes[rows]]
+    for column in [c for c in range(ranks.n_columns) if shape.sensor_index[ranks.feature(c)] == sensor]:
         feature = ranks.feature(column)
         own = ranks.column(column)[rows]
         order = np.argsort(own, kind="stable")
         values = own[order].astype(np.int64)
         k = np.flatnonzero(np.diff(values) > 0) + 1
-        k = k[(k >= problem.leaf_size) & (len(rows) - k >= problem.leaf_size)]
-        if len(k) == 0 or not problem.is_allowed((feature,)):
+        k = k[(k >= shape.leaf_size) & (len(rows) - k >= shape.leaf_size)]
+        if len(k) == 0 or not shape.is_allowed((feature,)):
             continue
         sums = each[order].cumsum(axis=0)
         left, right = sums[k - 1], sums[-1] - sums[k - 1]
-        pairs = left[:, :, None] + right[:, None, :] + np.where(np.eye(problem.n_classes) == 1, np.inf, 0.0)
+        pairs = left[:, :, None] + right[:, None, :] + np.where(np.eye(problem.samples.n_classes) == 1, np.inf, 0.0)
         at, a, b = (int(i) for i in np.unravel_index(pairs.argmin(), pairs.shape))
         if best is None or pairs[at, a, b] < best[0]:
             best = float(pairs[at, a, b]), cut_as_split(ranks, column, int(values[k[at] - 1]), Leaf(a), Leaf(b))

@@ -64,14 +64,15 @@ def whole_problem(problem: Problem, tree: Node, by_sets: bool) -> WholeProblem:
     ProblemError
         its costs span more than 125 binary digits, or there are more sensors than sets of them can be told apart by.
     """
+    samples = problem.samples
     grid = integer_costs(problem, tree)
-    weight_digits = whole_exponent(problem.weights)
-    digits = [weight_digits + whole_exponent(problem.costs), whole_exponent(np.array([problem.leaf_penalty]))]
+    weight_digits = whole_exponent(samples.weights)
+    digits = [weight_digits + whole_exponent(problem.costs), whole_exponent(np.array([problem.shape.leaf_penalty]))]
     exponent = max(*digits, grid.exponent)
-    weights = [int(Fraction(w) * power_of_two(weight_digits)) for w in problem.weights.tolist()]
+    weights = [int(Fraction(w) * power_of_two(weight_digits)) for w in samples.weights.tolist()]
     costs = [int(Fraction(c) * power_of_two(exponent - weight_digits)) for c in problem.costs.ravel().tolist()]
-    penalty = int(Fraction(problem.leaf_penalty) * power_of_two(exponent))
-    most = sum(weights) * max(costs) + penalty * min(2**problem.depth, problem.n_samples)
+    penalty = int(Fraction(problem.shape.leaf_penalty) * power_of_two(exponent))
+    most = sum(weights) * max(costs) + penalty * min(2**problem.shape.depth, samples.n_samples)
     if most >= WIDE:
         raise ProblemError(
             f"weights, costs and leaf_penalty span {most.bit_length()} binary digits, too many to count trees without "
@@ -80,10 +81,10 @@ def whole_problem(problem: Problem, tree: Node, by_sets: bool) -> WholeProblem:
     ranks = rank_features(problem)
     core = native_problem(problem, ranks, grid)
     exact = {
-        "classes": problem.codes.tolist(),
+        "classes": samples.codes.tolist(),
         "weights": weights,
         "costs": costs,
-        "n_labels": problem.n_classes,
+        "n_labels": samples.n_classes,
         "penalty": penalty,
         "shift": exponent - grid.exponent,
     }

@@ -54,7 +54,9 @@ def loss_of(problem: Problem, sensors: tuple[str, ...], solution: Solution) -> W
     bound = solution.objective if solution.meets_bound else solution.bound
     cost = problem.exact_objective(solution.tree)
     least = min(cost, Fraction(max(solution.bound, 0.0)))
-    return Without(sensors, solution.objective, bound, solution.tree, problem.sensors_used(solution.tree), cost, least)
+    return Without(
+        sensors, solution.objective, bound, solution.tree, problem.shape.sensors_used(solution.tree), cost, least
+    )
 
 
 class Calls:
@@ -103,11 +105,11 @@ class Calls:
 
     def _narrower(self, sensors: tuple[str, ...]) -> Problem:
         """Return the problem without some sensors."""
-        left = [f for f, name in enumerate(self.problem.sensor_of_feature or ()) if name not in sensors]
-        left = [f for f in left if self.problem.is_allowed((f,))]
+        left = [f for f, name in enumerate(self.problem.shape.sensor_of_feature or ()) if name not in sensors]
+        left = [f for f in left if self.problem.shape.is_allowed((f,))]
         if left:
-            return replace(self.problem, allowed_splits=[[f] for f in left])
-        return replace(self.problem, leaf_size=self.problem.n_samples)  # no split is left: a leaf
+            return self.problem.replace(allowed_splits=[[f] for f in left])
+        return self.problem.replace(leaf_size=self.problem.samples.n_samples)  # no split is left: a leaf
 
     def compared(self, loss: Without, limit: Fraction) -> Without:
         """Return a loss whose optimum lies within the limit or beyond for certain, where its proof is whole."""
@@ -125,5 +127,5 @@ class Calls:
             self.stop = counted.stop
             return loss
         (best,) = counted.best(1)
-        read, paid, cost = self.problem.sensors_used(best.tree), best.objective, counted.optimum
+        read, paid, cost = self.problem.shape.sensors_used(best.tree), best.objective, counted.optimum
         return Without(loss.sensors, paid, paid, best.tree, read, cost, cost)

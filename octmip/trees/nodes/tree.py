@@ -37,7 +37,7 @@ MOST_LEAVES, MOST_LINES = 16, 50
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """A prediction: `label` is the index of the class in `Problem.class_names`."""
+    """A prediction: `label` is the index of the class in `Samples.class_names`."""
 
     label: int
 
@@ -291,7 +291,7 @@ def n_splits(tree: Node) -> int:
 
 
 def complexity(tree: Node) -> int:
-    """Return the number of features summed over the splits: what `Problem.leaf_penalty` is paid for.
+    """Return the number of features summed over the splits: what `Shape.leaf_penalty` is paid for.
 
     It is the number of splits of an axis-aligned tree. Source: Bertsimas & Dunn (2017), eq. 24 (OCT) and 36 (OCT-H).
     """

@@ -1,6 +1,6 @@
 """Classes: their names, their order from low to high, the index of each target, the weight of each class.
 
-`Problem.monotone` goes along an order of the classes. It is given, or the type of the targets names it: an ordered
+`Shape.monotone` goes along an order of the classes. It is given, or the type of the targets names it: an ordered
 categorical of pandas, an Enum of polars, an ordered dictionary of Arrow. Numbers, Booleans, dates and durations have
 their own. Texts have none: the alphabet puts "high" below "low".
 """

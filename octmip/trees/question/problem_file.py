@@ -46,7 +46,7 @@ def write_problem_file(path: PathLike, problem: Problem) -> None:
 
 def encode(problem: Problem) -> dict[str, Any]:
     """Return a problem as one JSON object."""
-    if problem.is_shaped or problem.leaf_weight is not None:
+    if problem.shape.is_shaped or problem.shape.leaf_weight is not None:
         raise ProblemError(
             "leaf_weight, max_splits, monotone or a part of the tree is given, of which a problem file says nothing; "
             "leave it or the file out"
@@ -55,79 +55,85 @@ def encode(problem: Problem) -> dict[str, Any]:
 
 
 def _of_both(problem: Problem) -> dict[str, Any]:
-    limit = problem.sensor_limit
+    shape = problem.shape
+    limit = shape.sensor_limit
     return {
-        "feature_names": list(problem.feature_names),
-        "features": [[None if math.isnan(value) else value for value in row] for row in problem.features.tolist()],
-        "weights": problem.weights.tolist(),
-        "depth": problem.depth,
-        "leaf_size": problem.leaf_size,
-        "leaf_penalty": problem.leaf_penalty,
-        "sensor_of_feature": problem.sensor_index.tolist(),
-        "sensor_cost": problem.sensor_costs.tolist(),
+        "feature_names": list(problem.samples.feature_names),
+        "features": [
+            [None if math.isnan(value) else value for value in row] for row in problem.samples.features.tolist()
+        ],
+        "weights": problem.samples.weights.tolist(),
+        "depth": shape.depth,
+        "leaf_size": shape.leaf_size,
+        "leaf_penalty": shape.leaf_penalty,
+        "sensor_of_feature": shape.sensor_index.tolist(),
+        "sensor_cost": shape.sensor_costs.tolist(),
         "sensor_limit": limit if math.isfinite(limit) else None,
     }
 
 
 def _of_classes(problem: Problem) -> dict[str, Any]:
+    shape = problem.shape
     return {
         "format": FORMAT,
-        "version": VERSION if problem.n_missing else 1,  # which programs that know of no missing readings read
-        "class_names": [str(name) for name in problem.class_names],
-        "labels": problem.codes.tolist(),
+        "version": VERSION if problem.samples.n_missing else 1,  # which programs that know of no missing readings read
+        "class_names": [str(name) for name in problem.samples.class_names],
+        "labels": problem.samples.codes.tolist(),
         "costs": problem.costs.tolist(),
-        "split": problem.split,
-        "split_size": problem.max_split_size,
-        "allowed_splits": None if problem.allowed_splits is None else [list(group) for group in problem.allowed_splits],
+        "split": shape.split,
+        "split_size": shape.max_split_size,
+        "allowed_splits": None if shape.allowed_splits is None else [list(group) for group in shape.allowed_splits],
     }
 
 
 def _of_numbers(problem: Problem) -> dict[str, Any]:
     if not problem.is_provable:
         raise ProblemError(
-            f"split is {problem.split!r} and leaf_model {problem.leaf_model!r}, of which a problem file says nothing; "
-            "expected axis-aligned regression trees with one number in each leaf; leave the file out"
+            f"split is {problem.shape.split!r} and leaf_model {problem.shape.leaf_model!r}, of which a problem file "
+            "says nothing; expected axis-aligned regression trees with one number in each leaf; leave the file out"
         )
     return {
         "format": FORMAT_OF_NUMBERS,
         "version": VERSION_OF_NUMBERS,
-        "target_name": problem.target_name,
-        "targets": problem.targets.tolist(),
+        "target_name": problem.samples.target_name,
+        "targets": problem.samples.targets.tolist(),
         "loss": problem.loss.spelling,
     }
 
 
 def data_digest(problem: Problem) -> str:
     """Return the sha256 of samples, labels and weights that a proof log names."""
+    samples = problem.samples
     sha = hashlib.sha256()
-    _add(sha, "shape", np.array(problem.features.shape))
-    _add(sha, "features", problem.features)
-    _add(sha, "labels", problem.codes)
-    _add(sha, "weights", problem.weights)
+    _add(sha, "shape", np.array(samples.features.shape))
+    _add(sha, "features", samples.features)
+    _add(sha, "labels", samples.codes)
+    _add(sha, "weights", samples.weights)
     return sha.hexdigest()
 
 
 def question_digest(problem: Problem) -> str:
     """Return the sha256 of what is asked of the data: costs, depth, limits, sensors."""
+    shape = problem.shape
     sha = hashlib.sha256()
-    is_hyperplane = int(problem.split == "hyperplane")
-    sizes = [problem.n_classes, problem.depth, is_hyperplane, problem.max_split_size, problem.leaf_size]
+    is_hyperplane = int(shape.split == "hyperplane")
+    sizes = [problem.samples.n_classes, shape.depth, is_hyperplane, shape.max_split_size, shape.leaf_size]
     _add(sha, "sizes", np.array(sizes))
     _add(sha, "costs", problem.costs)
-    _add(sha, "limits", np.array([problem.leaf_penalty, problem.sensor_limit]))
-    _add(sha, "sensor_of_feature", problem.sensor_index)
-    _add(sha, "sensor_cost", problem.sensor_costs)
-    _add(sha, "is_limited", np.array([int(problem.allowed_splits is not None)]))
-    if problem.leaf_weight is not None:
-        _add(sha, "leaf_weight", np.array([problem.leaf_weight]))
-    if problem.limited_splits is not None:
-        _add(sha, "max_splits", np.array([problem.limited_splits]))
-    if problem.monotone is not None:
-        _add(sha, "monotone", np.array(problem.directions))
-    if problem.has_parts:
-        asked = [problem.given_splits, problem.rules_of_paths, problem.old_tree, problem.max_changes]
+    _add(sha, "limits", np.array([shape.leaf_penalty, shape.sensor_limit]))
+    _add(sha, "sensor_of_feature", shape.sensor_index)
+    _add(sha, "sensor_cost", shape.sensor_costs)
+    _add(sha, "is_limited", np.array([int(shape.allowed_splits is not None)]))
+    if shape.leaf_weight is not None:
+        _add(sha, "leaf_weight", np.array([shape.leaf_weight]))
+    if shape.limited_splits is not None:
+        _add(sha, "max_splits", np.array([shape.limited_splits]))
+    if shape.monotone is not None:
+        _add(sha, "monotone", np.array(shape.directions))
+    if shape.has_parts:
+        asked = [(shape.fixed_splits or ()), (shape.path_rules or ()), shape.old_tree, shape.max_changes]
         _add(sha, "parts", np.frombuffer(repr(asked).encode(), dtype=np.uint8))
-    groups: Iterable[Iterable[Any]] = problem.allowed_splits or ()
+    groups: Iterable[Iterable[Any]] = shape.allowed_splits or ()
     for group in groups:
         _add(sha, "group", np.array(list(group), dtype=np.int64))
     return sha.hexdigest()

@@ -11,6 +11,13 @@ from octmip.input.cells import BEYOND, beyond_exact
 from octmip.input.named_arrays import columns_of, numbers_in, settled, unmasked
 
 
+def set_field(noun: object, name: str, value: object) -> None:
+    """Set a field of a frozen dataclass while it is made; an array can be written to no more."""
+    if isinstance(value, np.ndarray):
+        value.flags.writeable = False
+    object.__setattr__(noun, name, value)
+
+
 def names_of_columns(features: object) -> tuple[str, ...] | None:
     """Return the names of columns; None for an array, or where they are only numbered.
 

@@ -200,7 +200,7 @@ class RiskModel:
         names = np.array(self.decision_names)
         labels = names[self.decisions(losses)]
         options = {"class_names": self.decision_names, "weights": weights, **options}
-        return Problem(features, labels, depth=depth, **options)  # type: ignore[arg-type]
+        return Problem(features, labels, depth=depth, **options)
 
     def state_problem(
         self,
@@ -236,7 +236,7 @@ class RiskModel:
         names = tuple(losses_of_label)
         losses = self.losses_of_classes(losses_of_label)
         costs = self.regrets(losses)[:, self.decisions(losses)] + error_cost * (1.0 - np.eye(len(names)))
-        return Problem(features, labels, depth=depth, loss=ClassCosts(costs), class_names=names, **options)  # type: ignore[arg-type]
+        return Problem(features, labels, depth=depth, loss=ClassCosts(costs), class_names=names, **options)
 
     @staticmethod
     def losses_of_classes(losses_of_label: Mapping[Any, float | Sequence[float]]) -> Floats:

@@ -6,7 +6,7 @@ per split, total sensor cost at most `sensor_budget`.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import InitVar, dataclass, field, replace
 from itertools import repeat
 from typing import Any, Literal
 
@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 from octmip.errors import ProblemError
 from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, features_used, splits
 from octmip.trees.question.parts import GivenSplit, PathRule, address, given_splits, path_rules, words_of_rules
-from octmip.trees.question.problem_values import directions_of, number_of, sensor_costs_of, whole_of, words_of
+from octmip.trees.question.problem_values import (
+    directions_of,
+    number_of,
+    sensor_costs_of,
+    set_field,
+    whole_of,
+    words_of,
+)
 
 MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solvers are indexed by 32 bits
 _DERIVED: Any = None  # a field that is filled in when it is left out
@@ -24,13 +31,6 @@ _DERIVED: Any = None  # a field that is filled in when it is left out
 
 class AnyDepth(int):
     """The depth of a Problem that was asked for none: so many levels that no tree of more costs less, or MAX_DEPTH."""
-
-
-def set_field(noun: object, name: str, value: object) -> None:
-    """Set a field of a frozen dataclass while it is made; an array can be written to no more."""
-    if isinstance(value, np.ndarray):
-        value.flags.writeable = False
-    object.__setattr__(noun, name, value)
 
 
 def with_leaves(tree: Node, others: Iterator[Leaf]) -> Node:
@@ -128,25 +128,26 @@ class Shape:
     leaf_size: int = 1
     leaf_weight: float | None = None
     leaf_penalty: float = 0.0
-    sensor_of_feature: Sequence[str] | None = None
+    sensor_of_feature: tuple[str, ...] = _DERIVED
     sensor_cost: Mapping[str, float] | Sequence[float] | None = None
     sensor_budget: float | None = None
-    allowed_splits: Sequence[Sequence[str | int]] | None = None
+    allowed_splits: tuple[tuple[int, ...], ...] | None = None
     leaf_model: Literal["constant", "linear"] = "constant"
     ridge: float = 1e-3
     integer_normals: int | None = None
     max_splits: int | None = None
-    monotone: Mapping[str | int, str | int] | Sequence[int] | None = None
-    fixed_splits: Mapping[str, Any] | tuple[GivenSplit, ...] | None = None
-    path_rules: Sequence[Sequence[str | int]] | tuple[PathRule, ...] | None = None
+    monotone: tuple[int, ...] | None = None
+    fixed_splits: tuple[GivenSplit, ...] | None = None
+    path_rules: tuple[PathRule, ...] | None = None
     old_tree: Node | None = None
     max_changes: int | None = None
-    sensors: tuple[str, ...] = field(init=False, repr=False)
-    sensor_index: NDArray[np.int64] = field(init=False, repr=False)
-    sensor_costs: NDArray[np.float64] = field(init=False, repr=False)
+    feature_names: InitVar[tuple[str, ...]]
+    n_samples: InitVar[int]
+    sensors: tuple[str, ...] = field(init=False)
+    sensor_index: NDArray[np.int64] = field(init=False)
+    sensor_costs: NDArray[np.float64] = field(init=False)
 
-    def _settle(self, feature_names: tuple[str, ...], n_samples: int) -> None:
-        """Check what was given, for samples of so many rows and these columns, and fill in what is derived."""
+    def __post_init__(self, feature_names: tuple[str, ...], n_samples: int) -> None:
         self._set_sensors(feature_names)
         self._check_sizes(n_samples)
         self._set_allowed_splits(feature_names)
@@ -194,7 +195,14 @@ class Shape:
             set_field(self, "max_splits", whole_of(self.max_splits, "max_splits", 0, None))
         self._set_depth()
 
-    def _check_leaf_weight(self, total: float, has_sample_costs: bool) -> None:
+    def check_leaf_weight(self, total: float, has_sample_costs: bool) -> None:
+        """Raise if no split could have leaves of that weight, or if costs are those of single samples.
+
+        Raises
+        ------
+        ProblemError
+            one of both.
+        """
         if self.leaf_weight is None:
             return
         if self.least_leaf_weight > total:
@@ -220,7 +228,7 @@ class Shape:
             )
         set_field(self, "depth", AnyDepth(MAX_DEPTH))
 
-    def _end_depth(self, of_least: float, n_samples: int) -> None:
+    def end_depth(self, of_least: float, n_samples: int) -> None:
         """Set any depth to levels of which no tree of more is better than all others, MAX_DEPTH at most.
 
         A tree of m levels has m splits or more, whose prices alone must stay below the cost of the leaf; and there is a
@@ -242,11 +250,11 @@ class Shape:
             )
 
     def _set_parts(self, feature_names: tuple[str, ...]) -> None:
-        given = given_splits(self.fixed_splits, feature_names, "fixed_splits", self.sensor_of_feature or ())
+        given = given_splits(self.fixed_splits, feature_names, "fixed_splits", self.sensor_of_feature)
         rules = path_rules(self.path_rules, feature_names, "path_rules")
         set_field(self, "fixed_splits", given)
         set_field(self, "path_rules", rules)
-        deep = [part for part in self.given_splits if len(part.path) >= self.depth + (not part.features)]
+        deep = [part for part in self.fixed_splits or () if len(part.path) >= self.depth + (not part.features)]
         if deep:
             raise ProblemError(
                 f"fixed_splits names {address(deep[-1].path)} but depth is {self.depth}; give a depth of "
@@ -312,27 +320,66 @@ class Shape:
         """`leaf_weight` with room for the rounding of decimal weights (0.3 three times is 0.9); 0 without one."""
         return (self.leaf_weight or 0.0) * (1 - 1e-9)
 
-    @property
-    def given_splits(self) -> tuple[GivenSplit, ...]:
-        """`fixed_splits` once they are checked."""
-        return tuple(self.fixed_splits or ())  # type: ignore[arg-type]
-
-    @property
-    def rules_of_paths(self) -> tuple[PathRule, ...]:
-        """`path_rules` once they are checked."""
-        return tuple(self.path_rules or ())  # type: ignore[arg-type]
-
-    def words_of_shape(self, names: Sequence[str]) -> list[str]:
+    def words(self, names: Sequence[str]) -> list[str]:
         """Return the order and the parts that are asked for, in short."""
         words = [] if self.monotone is None else [f"monotone={words_of(names, self.directions)}"]
-        words += [part.words(names) for part in self.given_splits]
-        words += [" ".join(rule) for rule in words_of_rules(self.rules_of_paths, names)]
+        words += [part.words(names) for part in self.fixed_splits or ()]
+        words += [" ".join(rule) for rule in words_of_rules(self.path_rules or (), names)]
         return words + ([] if self.max_changes is None else [f"max_changes={self.max_changes}"])
 
     @property
     def directions(self) -> tuple[int, ...]:
         """Of each feature 1 where predictions may not fall along it, -1 where they may not rise, else 0."""
-        if self.monotone is None:
-            return (0,) * len(self.sensor_index)
-        assert isinstance(self.monotone, tuple)
-        return self.monotone
+        return self.monotone or (0,) * len(self.sensor_index)
+
+    @property
+    def limited_splits(self) -> int | None:
+        """`max_splits` where it rules out trees that the depth allows, else None."""
+        every = (2**self.depth - 1) * self.max_split_size
+        return None if self.max_splits is None or self.max_splits >= every else self.max_splits
+
+    @property
+    def is_shaped(self) -> bool:
+        """Whether trees are limited by more than levels, leaf sizes and what a split may read."""
+        return self.limited_splits is not None or self.monotone is not None or self.has_parts
+
+    @property
+    def is_leaf_allowed(self) -> bool:
+        """Whether a tree without a split has the parts that are asked for."""
+        if not self.has_parts:
+            return True
+        gone = 0 if self.old_tree is None else len(splits(self.old_tree))
+        return all(not part.features for part in self.fixed_splits or ()) and gone <= (self.max_changes or 0)
+
+    @property
+    def most_asked_splits(self) -> int:
+        """So many splits at most have to stand, 0 where a leaf is a tree: the best leaf and their price bound the best.
+
+        They are the given ones, those above them, and those of the old tree: a tree that has the parts still has them
+        once all other splits are pruned, lowest first, and no leaf of it costs more than the best single leaf did.
+        """
+        if self.is_leaf_allowed:
+            return 0
+        given = {part.path[:k] for part in self.fixed_splits or () for k in range(len(part.path) + 1)}
+        return len(given) + (0 if self.old_tree is None else len(splits(self.old_tree)))
+
+    @property
+    def max_split_size(self) -> int:
+        """Most features that one split may have."""
+        return 1 if self.split == "axis" else min(self.split_size or len(self.sensor_index), len(self.sensor_index))
+
+    def is_allowed(self, features: tuple[int, ...]) -> bool:
+        """Whether these features may meet in one split."""
+        if len(features) > self.max_split_size:
+            return False
+        return self.allowed_splits is None or any(set(features) <= set(group) for group in self.allowed_splits)
+
+    def sensors_used(self, tree: Node) -> tuple[str, ...]:
+        """Return the names of the sensors that a tree reads, in the order of `sensors`."""
+        used = {int(self.sensor_index[feature]) for feature in features_used(tree)}
+        return tuple(self.sensors[s] for s in sorted(used))
+
+    def sensor_cost_of(self, tree: Node) -> float:
+        """Return the total cost of the sensors that a tree reads, each paid once."""
+        used = {int(self.sensor_index[feature]) for feature in features_used(tree)}
+        return math.fsum(self.sensor_costs[s] for s in used)

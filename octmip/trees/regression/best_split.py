@@ -45,17 +45,17 @@ class Samples:
 
         `pull` (n_rows,) says how much a sample belongs to the left (below 0) or to the right; hyperplanes fit it.
         """
-        values = self.problem.features[np.ix_(self.rows, self.usable)]
+        values = self.problem.samples.features[np.ix_(self.rows, self.usable)]
         found = self._cut(values, score)
         split = None
         if found is not None:
             split = Split(int(self.usable[found[1]]), found[2], NOWHERE, NOWHERE)
-        plane = self._plane(values, pull) if self.problem.max_split_size > 1 else None
+        plane = self._plane(values, pull) if self.problem.shape.max_split_size > 1 else None
         if plane is None:
             return split
-        sums = _sums(plane, self.problem.features, self.rows)
+        sums = _sums(plane, self.problem.samples.features, self.rows)
         other = self._cut(sums[:, None], score)
-        price = self.problem.leaf_penalty * (len(plane.features) - 1)
+        price = self.problem.shape.leaf_penalty * (len(plane.features) - 1)
         if other is None or (found is not None and found[0] <= other[0] + price):
             return split
         return HyperplaneSplit(plane.features, plane.coefficients, other[2], NOWHERE, NOWHERE)
@@ -63,7 +63,7 @@ class Samples:
     def _cut(self, values: Floats, score: Score) -> tuple[float, int, float] | None:
         order = np.argsort(values, axis=0, kind="stable")
         ordered = np.take_along_axis(values, order, axis=0)
-        k, size = np.arange(1, len(values))[:, None], self.problem.leaf_size
+        k, size = np.arange(1, len(values))[:, None], self.problem.shape.leaf_size
         is_cut = (ordered[1:] > ordered[:-1]) & (k >= size) & (len(values) - k >= size)
         if not is_cut.any():
             return None
@@ -88,7 +88,7 @@ class Samples:
             side = np.sign(pull) - weights @ np.sign(pull)
             gram = scaled.T @ (weights[:, None] * scaled) + 1e-6 * np.eye(len(kept))
             slopes = np.linalg.solve(gram, scaled.T @ (weights * side))
-            largest = np.sort(np.argsort(-np.abs(slopes), kind="stable")[: self.problem.max_split_size])
+            largest = np.sort(np.argsort(-np.abs(slopes), kind="stable")[: self.problem.shape.max_split_size])
             kept, slopes = kept[largest], slopes[largest]
         slopes = slopes / spread[kept]
         kept, slopes = kept[slopes != 0], slopes[slopes != 0]

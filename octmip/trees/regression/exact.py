@@ -79,8 +79,8 @@ def exact_regression(
     """
     if not problem.is_provable:
         raise ProblemError(
-            f"the exact core finds axis-aligned regression trees with constant leaves but split is {problem.split!r} "
-            f"and leaf_model {problem.leaf_model!r}; use method 'search'"
+            "the exact core finds axis-aligned regression trees with constant leaves but split is "
+            f"{problem.shape.split!r} and leaf_model {problem.shape.leaf_model!r}; use method 'search'"
         )
     check_threads(n_jobs)
     search, proof = _Search(problem, limits, n_jobs, progress), options.proof
@@ -126,7 +126,7 @@ class _Search:
     leaf: float = field(init=False)
 
     def __post_init__(self) -> None:
-        self.ranks = Ranks.of(self.problem.features)
+        self.ranks = Ranks.of(self.problem.samples.features)
         self.grid = Grid.of(self.problem, self.problem.baseline)
         self.leaf = self.grid.leaf
 
@@ -180,11 +180,11 @@ class _Search:
 
     def _sensor_beyond(self, tree: Node, part: _Part) -> int | None:
         """Return a sensor that the tree reads and the part does not hold, if the tree is over the budget."""
-        problem = self.problem
-        if problem.sensor_cost_of(tree) <= problem.sensor_limit:
+        shape = self.problem.shape
+        if shape.sensor_cost_of(tree) <= shape.sensor_limit:
             return None
-        used = {problem.sensors.index(name) for name in problem.sensors_used(tree)} - part.held
-        return max(used, key=lambda sensor: (problem.sensor_costs[sensor], -sensor))
+        used = {shape.sensors.index(name) for name in shape.sensors_used(tree)} - part.held
+        return max(used, key=lambda sensor: (shape.sensor_costs[sensor], -sensor))
 
     def _solve_part(self, part: _Part) -> tuple[Node | None, float]:
         """Return the best tree of a part that costs less than the best so far, if there is one, and the bound."""
@@ -203,23 +203,23 @@ class _Search:
             grain=grid.grain,
             slopes=problem.number_loss.slopes,
             penalty=grid.penalty,
-            depth=problem.depth,
-            leaf_size=problem.leaf_size,
+            depth=problem.shape.depth,
+            leaf_size=problem.shape.leaf_size,
             allowed=self._allowed(part),
         )
         self.n_cuts += found.n_nodes
         self.stop = Stop(found.stop)
         if found.rows is None:
             return None, found.bound
-        tree = centred_tree(found.rows, self.ranks, problem.features)
+        tree = centred_tree(found.rows, self.ranks, problem.samples.features)
         return problem.with_best_leaves(tree), found.bound
 
     def _allowed(self, part: _Part) -> list[bool]:
-        problem = self.problem
-        costs = problem.sensor_costs
-        left = problem.sensor_limit - math.fsum(costs[sensor] for sensor in part.held)
+        shape = self.problem.shape
+        costs = shape.sensor_costs
+        left = shape.sensor_limit - math.fsum(costs[sensor] for sensor in part.held)
         is_free = [s in part.held or (s not in part.banned and costs[s] <= left) for s in range(len(costs))]
-        return [is_free[s] and problem.is_allowed((f,)) for f, s in enumerate(problem.sensor_index.tolist())]
+        return [is_free[s] and shape.is_allowed((f,)) for f, s in enumerate(shape.sensor_index.tolist())]
 
     @property
     def to_prove(self) -> Fraction:

@@ -80,8 +80,8 @@ class Grid:
     @classmethod
     def of(cls, problem: Problem, objective: float) -> "Grid":
         """Return the grid of a problem on which trees of less than this objective cost what they do."""
-        weight_exponent, weights = _scaled_weights(problem.weights)
-        near = closed_up(problem.targets, reach(problem, objective))
+        weight_exponent, weights = _scaled_weights(problem.samples.weights)
+        near = closed_up(problem.samples.targets, reach(problem, objective))
         slopes = problem.number_loss.slopes
         steepest, over = (1, 1) if slopes is None else (slopes.steepest, slopes.over)
         exponent, targets, distance = _scaled_targets(near, weights, steepest)
@@ -98,7 +98,7 @@ class Grid:
             n, lightest = len(targets) + 64, float(weights[weights > 0].min())
             rounding += 16 * n * UNIT_ROUNDOFF * size * (1 + n * UNIT_ROUNDOFF * total / lightest)
         unit = power_of_two(-weight_exponent - power * exponent) / over
-        penalty = Fraction(problem.leaf_penalty) / unit
+        penalty = Fraction(problem.shape.leaf_penalty) / unit
         is_whole = is_exact and slopes is not None and distance == 0 and penalty.denominator == 1
         # A split that costs more than the best leaf saves nothing: any such price is as good as another.
         price = float(min(penalty, Fraction(4 * size + 4)))

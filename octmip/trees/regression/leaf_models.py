@@ -14,9 +14,9 @@ LARGEST = 1e300
 
 def errors(problem: Problem, node: Node, rows: Rows) -> Floats:
     """Return the weighted error of each of some samples under a subtree, shape (n_rows,)."""
-    misses = problem.targets[rows] - predict_values(node, problem.features[rows])
+    misses = problem.samples.targets[rows] - predict_values(node, problem.samples.features[rows])
     with np.errstate(over="ignore"):
-        weighted: Floats = problem.weights[rows] * problem.number_loss.of_misses(misses)
+        weighted: Floats = problem.samples.weights[rows] * problem.number_loss.of_misses(misses)
     # Sums stay finite: beyond that size a tree is worse than any other, and how much worse does not matter.
     return np.minimum(weighted, LARGEST / max(1, len(rows)))
 
@@ -24,7 +24,7 @@ def errors(problem: Problem, node: Node, rows: Rows) -> Floats:
 def fitted_leaf(problem: Problem, rows: Rows, usable: Rows) -> ValueLeaf:
     """Return the leaf for some samples: by least error its number, or a ridge over `usable` where that is better."""
     constant = ValueLeaf(constant_of(problem, rows))
-    if problem.leaf_model == "constant":
+    if problem.shape.leaf_model == "constant":
         return constant
     linear = _ridge(problem, rows, usable)
     is_better = linear is not None and errors(problem, linear, rows).sum() < errors(problem, constant, rows).sum()
@@ -33,7 +33,7 @@ def fitted_leaf(problem: Problem, rows: Rows, usable: Rows) -> ValueLeaf:
 
 def constant_of(problem: Problem, rows: Rows) -> float:
     """Return the constant of least error for the targets of some samples, in float64."""
-    weights, targets = problem.weights[rows], problem.targets[rows]
+    weights, targets = problem.samples.weights[rows], problem.samples.targets[rows]
     return _constant(problem, targets, weights if weights.any() else np.ones(len(rows)))
 
 
@@ -54,23 +54,24 @@ def _ridge(problem: Problem, rows: Rows, usable: Rows) -> ValueLeaf | None:
     var_j the variance of feature j in the leaf; the number `a` is not shrunk. Source: Hoerl & Kennard (1970), eq. 2.1.
     For sloped errors `a` becomes the quantile of what is left.
     """
-    weights = problem.weights[rows]
+    samples = problem.samples
+    weights = samples.weights[rows]
     if not weights.any():
         return None
     weights = weights / weights.sum()
-    values = problem.features[np.ix_(rows, usable)]
+    values = samples.features[np.ix_(rows, usable)]
     centre = weights @ values
     spread = np.sqrt(weights @ (values - centre) ** 2)
     varies = spread > 1e-9 * np.abs(values).max(axis=0)
     if not varies.any():
         return None
     scaled = (values[:, varies] - centre[varies]) / spread[varies]
-    target = problem.targets[rows] - weights @ problem.targets[rows]
-    gram = scaled.T @ (weights[:, None] * scaled) + max(problem.ridge, 1e-12) * np.eye(int(varies.sum()))
+    target = samples.targets[rows] - weights @ samples.targets[rows]
+    gram = scaled.T @ (weights[:, None] * scaled) + max(problem.shape.ridge, 1e-12) * np.eye(int(varies.sum()))
     slopes = np.linalg.solve(gram, scaled.T @ (weights * target)) / spread[varies]
     kept = slopes != 0
     features, slopes = usable[varies][kept], slopes[kept]
     if not len(features) or not np.isfinite(slopes).all():
         return None
-    left = problem.targets[rows] - problem.features[np.ix_(rows, features)] @ slopes
+    left = samples.targets[rows] - samples.features[np.ix_(rows, features)] @ slopes
     return ValueLeaf(_constant(problem, left, weights), tuple(features.tolist()), tuple(slopes.tolist()))

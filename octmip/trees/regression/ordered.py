@@ -16,9 +16,9 @@ FREE_SHARE = 0.5
 
 def freed(problem: Problem) -> Problem | None:
     """Return a problem of numbers in order without order and number of splits; None of others, or if none proves it."""
-    if problem.loss.predicts == "class" or problem.monotone is None:
+    if problem.loss.predicts == "class" or problem.shape.monotone is None:
         return None
-    free = replace(problem, monotone=None, max_splits=None)
+    free = problem.replace(monotone=None, max_splits=None)
     return free if free.is_provable and solvers_of(free)["exact"].refusal(free) is None else None
 
 
@@ -45,10 +45,10 @@ def in_order(call: Call, free_problem: Problem, first: Solution | None) -> Solut
         return replace(put, stop=free.stop, tolerance=tolerance)
     if free.stop is Stop.INTERRUPTED:
         return put
-    if problem.depth > 1:
-        depth = problem.depth - 1
-        less = replace(call, problem=replace(problem, depth=depth), run=replace(run, progress=None))
-        known.append(in_order(less, replace(free_problem, depth=depth), None).tree or problem.best_leaf())
+    if problem.shape.depth > 1:
+        depth = problem.shape.depth - 1
+        less = replace(call, problem=problem.replace(depth=depth), run=replace(run, progress=None))
+        known.append(in_order(less, free_problem.replace(depth=depth), None).tree or problem.best_leaf())
 
     def searched(state: Progress) -> None:
         if run.progress is not None:

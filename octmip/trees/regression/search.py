@@ -82,8 +82,8 @@ def search_regression(
     try:
         search.keep(problem.best_leaf())
         if start is not None:
-            search.usable = np.unique([j for j in range(problem.n_features) if search.is_affordable(start, j)])
-            start = without_empty_sides(start, problem.features)
+            search.usable = np.unique([j for j in range(problem.samples.n_features) if search.is_affordable(start, j)])
+            start = without_empty_sides(start, problem.samples.features)
             search.keep(start)
             search.improve_tree(start)
         for turn in range(RESTARTS if options.restarts is None else options.restarts):
@@ -115,7 +115,7 @@ class _Search:
     @property
     def rows(self) -> Rows:
         """All samples."""
-        return np.arange(self.problem.n_samples)
+        return np.arange(self.problem.samples.n_samples)
 
     def is_over(self) -> bool:
         """Whether a limit is reached."""
@@ -127,28 +127,31 @@ class _Search:
 
     def is_affordable(self, tree: Node, feature: int) -> bool:
         """Whether a tree may read one feature more."""
-        problem, sensor = self.problem, self.problem.sensor_index[feature]
-        is_paid = problem.sensors[sensor] in problem.sensors_used(tree) or problem.sensor_costs[sensor] == 0.0
-        return bool(is_paid or math.isinf(problem.sensor_limit))
+        shape, sensor = self.problem.shape, self.problem.shape.sensor_index[feature]
+        is_paid = shape.sensors[sensor] in shape.sensors_used(tree) or shape.sensor_costs[sensor] == 0.0
+        return bool(is_paid or math.isinf(shape.sensor_limit))
 
     def restart(self, turn: int) -> None:
         """Build a tree over features of its own and improve it."""
         self.usable = self._features(turn)
-        weights = np.ones(self.problem.n_samples) if turn == 0 else self.rng.exponential(size=self.problem.n_samples)
-        self.improve_tree(self.build(self.rows, self.problem.depth, weights))
+        n = self.problem.samples.n_samples
+        weights = np.ones(n) if turn == 0 else self.rng.exponential(size=n)
+        self.improve_tree(self.build(self.rows, self.problem.shape.depth, weights))
 
     def _features(self, turn: int) -> Rows:
         """Return the features of a restart: of random sensors within the budget, all of them at first without one."""
         problem = self.problem
-        left, kept = problem.sensor_limit, set()
-        for sensor in self.rng.permutation(len(problem.sensors)).tolist():
-            is_left_out = turn > 0 and math.isinf(problem.sensor_limit) and self.rng.random() < SHARE_LEFT_OUT
-            if problem.sensor_costs[sensor] <= left and not is_left_out:
+        left, kept = problem.shape.sensor_limit, set()
+        for sensor in self.rng.permutation(len(problem.shape.sensors)).tolist():
+            is_left_out = turn > 0 and math.isinf(problem.shape.sensor_limit) and self.rng.random() < SHARE_LEFT_OUT
+            if problem.shape.sensor_costs[sensor] <= left and not is_left_out:
                 kept.add(sensor)
-                left -= problem.sensor_costs[sensor]
-        usable = [s in kept and problem.is_allowed((f,)) for f, s in enumerate(problem.sensor_index.tolist())]
-        groups = problem.allowed_splits
-        if groups is None or problem.split == "axis":
+                left -= problem.shape.sensor_costs[sensor]
+        usable = [
+            s in kept and problem.shape.is_allowed((f,)) for f, s in enumerate(problem.shape.sensor_index.tolist())
+        ]
+        groups = problem.shape.allowed_splits
+        if groups is None or problem.shape.split == "axis":
             return np.flatnonzero(usable)
         group = groups[int(self.rng.integers(len(groups)))]  # whose features may meet in every split
         return np.intersect1d(np.flatnonzero(usable), np.array(group, dtype=np.int64))
@@ -157,18 +160,19 @@ class _Search:
         """Return a tree for some samples, built from the root; `factors` (n_samples,) multiply their weights."""
         problem = self.problem
         leaf = fitted_leaf(problem, rows, self.usable)
-        if depth == 0 or len(rows) < max(2, 2 * problem.leaf_size) or not len(self.usable) or self.is_over():
+        if depth == 0 or len(rows) < max(2, 2 * problem.shape.leaf_size) or not len(self.usable) or self.is_over():
             return leaf
-        weights, targets = problem.weights[rows] * (1.0 if factors is None else factors[rows]), problem.targets[rows]
+        weights = problem.samples.weights[rows] * (1.0 if factors is None else factors[rows])
+        targets = problem.samples.targets[rows]
         targets = targets - constant_of(problem, rows)
         split = Samples(problem, rows, self.usable).best(by_means(weights, targets), weights * targets)
         if split is None:
             return leaf
-        left, right = (self.build(part, depth - 1, factors) for part in parts(split, problem.features, rows))
+        left, right = (self.build(part, depth - 1, factors) for part in parts(split, problem.samples.features, rows))
         return self._better(leaf, replace(split, left=left, right=right), rows)
 
     def _cost(self, node: Node, rows: Rows) -> float:
-        return float(errors(self.problem, node, rows).sum()) + self.problem.leaf_penalty * complexity(node)
+        return float(errors(self.problem, node, rows).sum()) + self.problem.shape.leaf_penalty * complexity(node)
 
     def _better(self, known: Node, other: Node, rows: Rows) -> Node:
         """Return the other subtree if it is better by more than rounding."""
@@ -179,7 +183,7 @@ class _Search:
         """Improve the nodes of a tree until none gets better, and keep the tree."""
         before = math.inf
         for _ in range(MOST_SWEEPS):
-            tree = self._improved(tree, self.rows, self.problem.depth)
+            tree = self._improved(tree, self.rows, self.problem.shape.depth)
             cost = self._cost(tree, self.rows)
             self.keep(tree)
             if cost >= before * (1 - LEAST_SWEEP_GAIN) or self.is_over():
@@ -191,7 +195,7 @@ class _Search:
         if isinstance(node, Leaf):
             fitted = self._better(node, fitted_leaf(self.problem, rows, self.usable), rows)
             return self._better(fitted, self.build(rows, depth), rows)
-        left, right = parts(node, self.problem.features, rows)
+        left, right = parts(node, self.problem.samples.features, rows)
         node = replace(
             node, left=self._improved(node.left, left, depth - 1), right=self._improved(node.right, right, depth - 1)
         )
@@ -207,15 +211,15 @@ class _Search:
     def _refitted(self, node: Node, rows: Rows) -> Node | None:
         """Return a subtree with new leaves for the samples that reach them now; None where a leaf is too small."""
         if isinstance(node, Leaf):
-            return None if len(rows) < self.problem.leaf_size else fitted_leaf(self.problem, rows, self.usable)
-        sides = zip((node.left, node.right), parts(node, self.problem.features, rows), strict=True)
+            return None if len(rows) < self.problem.shape.leaf_size else fitted_leaf(self.problem, rows, self.usable)
+        sides = zip((node.left, node.right), parts(node, self.problem.samples.features, rows), strict=True)
         left, right = (self._refitted(side, part) for side, part in sides)
         return None if left is None or right is None else replace(node, left=left, right=right)
 
     def keep(self, tree: Node) -> None:
         """Take up a tree, pruned and in order where that is asked for, if it is better than the best so far."""
-        tree = pruned(self.problem, tree, self.problem.max_splits)
-        if self.problem.monotone is not None and disorder(tree, self.problem.directions) is not None:
+        tree = pruned(self.problem, tree, self.problem.shape.max_splits)
+        if self.problem.shape.monotone is not None and disorder(tree, self.problem.shape.directions) is not None:
             tree = ordered(self.problem, self.problem.with_best_leaves(tree))
         cost = self._cost(tree, self.rows)
         if cost < self.cost:
@@ -227,7 +231,7 @@ class _Search:
         """Return the best tree, constants rounded once, its objective recounted."""
         assert self.tree is not None
         problem = self.problem
-        is_settled = problem.leaf_model == "linear" or problem.monotone is not None
+        is_settled = problem.shape.leaf_model == "linear" or problem.shape.monotone is not None
         tree = self.tree if is_settled else problem.with_best_leaves(self.tree)
         seconds, objective = time.perf_counter() - self.started, problem.objective(tree)
         version = _native.__version__

@@ -32,9 +32,9 @@ SECONDS_OF_COST = 1e-7
 def search_seconds(problem: Problem, left: float) -> float:
     """Return the seconds of those that are left in which a tree may be searched: its leaves take the rest."""
     kind = problem.loss.predicts
-    after = problem.n_samples * SECONDS_OF_ROW[kind]
+    after = problem.samples.n_samples * SECONDS_OF_ROW[kind]
     if kind == "class":
-        after += problem.n_classes**2 * SECONDS_OF_COST
+        after += problem.samples.n_classes**2 * SECONDS_OF_COST
     return left - min(left / 2, after)
 
 
@@ -45,9 +45,10 @@ def setup_seconds(problem: Problem, name: str, options: Options) -> float:
     """
     is_asked = isinstance(options, ExactOptions) and not (options.proof is None and options.checkpoint is None)
     can_search = solvers_of(problem)["search"].refusal(problem) is None
-    if name != "exact" or problem.split != "axis" or is_asked or not can_search or problem.features.size < LARGE:
+    is_small = problem.samples.features.size < LARGE
+    if name != "exact" or problem.shape.split != "axis" or is_asked or not can_search or is_small:
         return 0.0
-    return problem.features.size / SETUP_READINGS[problem.loss.predicts]
+    return problem.samples.features.size / SETUP_READINGS[problem.loss.predicts]
 
 
 def tree_of_drawn_rows(call: Call) -> Solution:
@@ -58,8 +59,8 @@ def tree_of_drawn_rows(call: Call) -> Solution:
     """
     problem, left = call.problem, call.run.limits.remaining(call.start).seconds
     seconds = search_seconds(problem, left)
-    n_drawn = max(1, int(SETUP_SHARE * seconds * SETUP_READINGS[problem.loss.predicts] / problem.n_features))
-    rows = np.sort(np.random.default_rng(call.run.seed).permutation(problem.n_samples)[:n_drawn])
+    n_drawn = max(1, int(SETUP_SHARE * seconds * SETUP_READINGS[problem.loss.predicts] / problem.samples.n_features))
+    rows = np.sort(np.random.default_rng(call.run.seed).permutation(problem.samples.n_samples)[:n_drawn])
     share = seconds / left if left else 0.0
     found = replace(call, problem=problem.of_rows(rows)).solve("search", None, share=share)
     assert found.tree is not None

@@ -1,4 +1,7 @@
-"""The map: which solver answers which pair of loss and split, by method. A new method is a line here.
+"""The map: which solver answers which pair of loss and split, by method, and who cannot answer what may be asked for.
+
+A new method is a line of `REGISTRY`; what it cannot answer are its name in lines of `CAPABILITIES`, of which every
+refusal is made. There "levels" are calls that go through trees level by level, "numbers" all losses of numbers.
 
 A `Run` says how a problem is solved: functions that solve several alike hand it on as one.
 """
@@ -80,10 +83,108 @@ class Solver(Protocol):
         """Return the best tree found within the limits and the bound proven for it."""
 
 
+_FORMS = ("oct", "oct_h", "flow", "flow of planes", "benders")
+_NO_PARTS = ("cart", "search", "search of numbers", "lines", "exact of numbers", *_FORMS, "levels")
+
+
+@dataclass(frozen=True, slots=True)
+class Capability:
+    """What may be asked for.
+
+    Attributes
+    ----------
+    kind
+        a setting of a Problem, an option of a method, a word of the command, or a call beside a solve.
+    lacking
+        who cannot answer it.
+    words
+        what a sentence calls it, "" its name; of what numbers lack: what it is about.
+    cures
+        what helps beside another method.
+    """
+
+    kind: Literal["setting", "option", "word", "call"]
+    lacking: tuple[str, ...]
+    words: str = ""
+    cures: tuple[str, ...] = ()
+
+
+CAPABILITIES: Mapping[str, Capability] = {
+    "any_depth": Capability(
+        "setting",
+        ("oct", "flow", "flow of planes", "benders", "exact of numbers", "levels"),
+        "depth of None",
+        ("give a depth, such as 3",),
+    ),
+    "leaf_weight": Capability("setting", (*_FORMS, "levels")),
+    "takes_missing": Capability(
+        "setting",
+        ("exact of numbers", "search of numbers"),
+        "missing readings",
+        ("fill missing readings, or let an estimator or the command encode them", "leave those rows out"),
+    ),
+    "leaf_model": Capability("setting", ("exact of numbers",)),
+    "sensor_budget": Capability("setting", ("exact of shapes",)),
+    "max_splits": Capability("setting", ("lines", "benders", "exact of numbers", "levels")),
+    "monotone": Capability("setting", ("lines", "exact of numbers", *_FORMS, "levels")),
+    "integer_normals": Capability("setting", ("search of numbers",)),
+    "fixed_splits": Capability("setting", _NO_PARTS),
+    "path_rules": Capability("setting", _NO_PARTS),
+    "max_changes": Capability("setting", _NO_PARTS),
+    "cluster": Capability(
+        "option", ("exact of shapes", *(who for who in _NO_PARTS if who not in ("search", "levels")))
+    ),
+    "proof": Capability("option", ("exact of shapes", "exact of any depth")),
+    "every": Capability("option", ("exact of shapes", "exact of numbers")),
+    "mu": Capability("option", ("oct", "flow")),
+    "perturbations": Capability("option", ("search of numbers",)),
+    "costs": Capability("word", ("numbers",), "prices of taking one class for another"),
+    "numbers_are_classes": Capability("word", ("numbers",), "a label of classes"),
+    "class_order": Capability("word", ("numbers",), "an order of classes"),
+    "class_weight": Capability("word", ("numbers",), "weights of classes"),
+    "near_optimal": Capability(
+        "call", ("numbers",), "trees are counted by whole costs, and errors of numbers are none"
+    ),
+    "sensor_roles": Capability(
+        "call", ("numbers",), "what a sensor is worth is counted by whole costs, and errors of numbers are none"
+    ),
+    "leaves_on_fresh_rows": Capability("call", ("numbers",), "probabilities are those of classes"),
+    "shared_budget": Capability("call", ("numbers",), "labels are classes"),
+}
+"""Where a problem asks for several settings, the first that a solver lacks is named."""
+BY_LEVEL = ("near_optimal", "sensor_roles")
+"""Calls that go through trees level by level."""
+
+
+def lacked(who: str, kind: str) -> tuple[str, ...]:
+    """Return the capabilities of a kind that a solver lacks, by name."""
+    return tuple(name for name, row in CAPABILITIES.items() if row.kind == kind and who in row.lacking)
+
+
+def first_lacked(problem: Problem, who: str) -> str | None:
+    """Return the first setting that a problem asks for and a solver does not know, None where it knows all."""
+    return next((name for name in lacked(who, "setting") if _is_asked(problem, name)), None)
+
+
+def _is_asked(problem: Problem, setting: str) -> bool:
+    if setting == "takes_missing":
+        return problem.samples.takes_missing
+    value = getattr(problem.shape, "limited_splits" if setting == "max_splits" else setting)
+    return value not in (None, False, "constant")
+
+
+def words_and_cures(setting: str) -> tuple[str, str]:
+    """Return what a sentence calls a setting, and what helps."""
+    row = CAPABILITIES[setting]
+    return row.words or setting, " or ".join(row.cures or (f"leave {setting} out",))
+
+
 @dataclass(frozen=True, slots=True)
 class Registration:
     """A method's solver: module and function, whether it proves (and so wants an incumbent first), whether by HiGHS."""
 
+    name: str
+    """In `CAPABILITIES`."""
     module: str
     function: str
     proves: bool
@@ -91,17 +192,19 @@ class Registration:
     alone_to_depth: int = 0
     """To this depth its own start finds the optimum early, and a search first would take as long as many a proof."""
 
-    cannot: tuple[str, ...] = ()
-    """Settings of a Problem that it does not know: asked for, they are refused in one sentence."""
+    @property
+    def cannot(self) -> tuple[str, ...]:
+        """Settings of a Problem that it does not know: asked for, they are refused in one sentence."""
+        return lacked(self.name, "setting")
 
-    without: tuple[str, ...] = ("cluster",)
-    """Options of its method's class (`octmip.trees.methods.options`) that it does not take."""
+    @property
+    def without(self) -> tuple[str, ...]:
+        """Options of its method's class (`octmip.trees.methods.options`) that it does not take."""
+        return lacked(self.name, "option")
 
     def refusal(self, problem: Problem) -> str | None:
         """Return the first setting of a problem that the solver does not know, None where it knows all."""
-        asked = {name: getattr(problem, name) for name in self.cannot}
-        is_usual = [value is None or value is False or value == "constant" for value in asked.values()]
-        return next((name for name, usual in zip(asked, is_usual, strict=True) if not usual), None)
+        return first_lacked(problem, self.name)
 
     def load(self) -> Solver:
         """Return the solver, its module imported only now: HiGHS and scikit-learn are needed by some methods only.
@@ -120,67 +223,25 @@ class Registration:
         return cast(Solver, getattr(module, self.function))
 
 
-PARTS = ("fixed_splits", "path_rules", "max_changes")
-"""Parts of the tree that are asked for: the exact core knows them, and nobody else."""
-CART = Registration("octmip.trees.methods.cart", "greedy_tree", proves=False, cannot=PARTS)
-SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False, without=(), cannot=PARTS)
-EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4, without=())
-SHAPED = replace(EXACT, cannot=("sensor_budget",), without=("cluster", "proof", "every"))
-"""The exact core where `Problem.is_shaped`."""
+CART = Registration("cart", "octmip.trees.methods.cart", "greedy_tree", proves=False)
+SEARCH = Registration("search", "octmip.trees.methods.search", "local_search", proves=False)
+EXACT = Registration("exact", "octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4)
+SHAPED = replace(EXACT, name="exact of shapes")
+"""The exact core where the shape `is_shaped`."""
 PARTED = replace(SHAPED, alone_to_depth=MAX_DEPTH)
 """The exact core where parts of the tree are asked for, which no search before it knows."""
-SPARSE = replace(EXACT, alone_to_depth=MAX_DEPTH, without=("proof",))
+SPARSE = replace(EXACT, name="exact of any depth", alone_to_depth=MAX_DEPTH)
 """The exact core for trees of any depth: a log has no line for the bounds that end them."""
-TWO_FEATURE = Registration(
-    "octmip.trees.methods.two_feature",
-    "two_feature_branch_and_bound",
-    proves=True,
-    cannot=("max_splits", "monotone", *PARTS),
-)
-OCT = Registration(
-    "octmip.trees.mip.oct",
-    "solve_oct",
-    proves=True,
-    is_mixed_integer=True,
-    cannot=("any_depth", "leaf_weight", "monotone", *PARTS),
-    without=("cluster", "mu"),
-)
-OCT_H = Registration(
-    "octmip.trees.mip.oct_h",
-    "solve_oct_h",
-    proves=True,
-    is_mixed_integer=True,
-    cannot=("leaf_weight", "monotone", *PARTS),
-)
-FLOW_OF_PLANES = Registration(
-    "octmip.trees.mip.flow",
-    "solve_flow",
-    proves=True,
-    is_mixed_integer=True,
-    cannot=("any_depth", "leaf_weight", "monotone", *PARTS),
-)
-FLOW = replace(FLOW_OF_PLANES, without=("cluster", "mu"))
-BENDERS = Registration(
-    "octmip.trees.mip.benders.solver",
-    "solve_benders",
-    proves=True,
-    cannot=("any_depth", "leaf_weight", "max_splits", "monotone", *PARTS),
-)
+TWO_FEATURE = Registration("lines", "octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True)
+OCT = Registration("oct", "octmip.trees.mip.oct", "solve_oct", proves=True, is_mixed_integer=True)
+OCT_H = Registration("oct_h", "octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True)
+FLOW = Registration("flow", "octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True)
+FLOW_OF_PLANES = replace(FLOW, name="flow of planes")
+BENDERS = Registration("benders", "octmip.trees.mip.benders.solver", "solve_benders", proves=True)
 NUMBERS = Registration(
-    "octmip.trees.regression.exact",
-    "exact_regression",
-    proves=True,
-    alone_to_depth=MAX_DEPTH,
-    cannot=("any_depth", "takes_missing", "leaf_model", "max_splits", "monotone", *PARTS),
-    without=("cluster", "every"),
+    "exact of numbers", "octmip.trees.regression.exact", "exact_regression", proves=True, alone_to_depth=MAX_DEPTH
 )
-NUMBERS_SEARCH = Registration(
-    "octmip.trees.regression.search",
-    "search_regression",
-    proves=False,
-    cannot=("takes_missing", "integer_normals", *PARTS),
-    without=("cluster", "perturbations"),
-)
+NUMBERS_SEARCH = Registration("search of numbers", "octmip.trees.regression.search", "search_regression", proves=False)
 
 REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
     ("classes", "axis"): {
@@ -203,66 +264,28 @@ REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
 }
 """Which solver answers which pair of loss and split, by method. Losses of numbers share their solvers: a new one
 enters this table by its line in `octmip.trees.question.losses.NUMBER_LOSSES`."""
-UNKNOWN = {
-    "any_depth": ("depth of None", ["give a depth, such as 3"]),
-    "takes_missing": (
-        "missing readings",
-        ["fill missing readings, or let an estimator or the command encode them", "leave those rows out"],
-    ),
-}
-"""Of settings that a method may not know: how a sentence calls one, and what helps beside another method."""
-
-OF_CLASSES_ALONE: Mapping[str, str] = {
-    "costs": "prices of taking one class for another",
-    "numbers_are_classes": "a label of classes",
-    "class_order": "an order of classes",
-    "class_weight": "weights of classes",
-}
-"""What the command asks of classes alone, and what it is about: refused in one sentence with a loss of numbers."""
 
 
-@dataclass(frozen=True, slots=True)
-class Asked:
-    """What is asked of a problem of classes beside a solve: why of classes alone, and whether level by level.
-
-    What goes through trees level by level knows nothing of `Problem.is_shaped`.
-    """
-
-    of_classes: str
-    by_level: bool = False
-
-
-ASKED: Mapping[str, Asked] = {
-    "near_optimal": Asked("trees are counted by whole costs, and errors of numbers are none", by_level=True),
-    "sensor_roles": Asked("what a sensor is worth is counted by whole costs, and errors of numbers are none", True),
-    "leaves_on_fresh_rows": Asked("probabilities are those of classes"),
-    "shared_budget": Asked("labels are classes"),
-}
-"""What is asked beside a solve, by name: refused in one sentence with what it does not know."""
-
-
-def refuse_unknown(problem: Problem, asked: str) -> None:
-    """Check that a problem asks for nothing that what is asked of it does not know.
+def refuse_unknown(problem: Problem, call: str) -> None:
+    """Check that a problem asks for nothing that a call beside a solve does not know.
 
     Raises
     ------
     ProblemError
         its loss is one of numbers, or the trees gone through level by level have no depth or a shape of their own.
     """
-    row = ASKED[asked]
-    if row.by_level and problem.any_depth:
-        raise ProblemError(f"{asked} goes through trees level by level and depth is None; give a depth, such as 3")
-    if row.by_level and (problem.is_shaped or problem.leaf_weight is not None):
-        names = ("leaf_weight", "monotone", *PARTS, "max_splits")
-        name = next(name for name in names if getattr(problem, name) is not None)
+    setting = first_lacked(problem, "levels") if call in BY_LEVEL else None
+    if setting is not None:
+        words, cures = words_and_cures(setting)
         raise ProblemError(
-            f"{asked} goes through trees level by level and knows nothing of {name}; leave {name} out, or ask solve, "
+            f"{call} goes through trees level by level and does not know the problem's {words}; {cures}, or ask solve, "
             "trace_frontier or choose_tree"
         )
-    if problem.loss.predicts == "number":
+    row = CAPABILITIES[call]
+    if problem.loss.predicts == "number" and "numbers" in row.lacking:
         raise ProblemError(
-            f"{asked} is for classes, as {row.of_classes}; got the loss {problem.loss.spelling!r}; sort the numbers "
-            "into classes, or ask solve, trace_frontier or choose_tree, which answer every loss"
+            f"{call} is for classes, as {row.words}; got the loss {problem.loss.spelling!r}; sort the numbers into "
+            "classes, or ask solve, trace_frontier or choose_tree, which answer every loss"
         )
 
 
@@ -276,6 +299,12 @@ def options_by_method() -> dict[str, dict[str, dict[str, Any]]]:
                     said = {"default": one.default, "values": values_of(one).words, "help": one.metadata["help"]}
                     found[method][one.name] = said
     return found
+
+
+def settings_unknown_to() -> dict[str, list[str]]:
+    """Return the settings of a Problem that each solver does not know, of solvers that lack some, as doctor prints."""
+    solvers = [solver for row in REGISTRY.values() for solver in row.values()]
+    return {solver.name: list(solver.cannot) for solver in solvers if solver.cannot}
 
 
 def taken(problem: Problem, method: str) -> tuple[str, ...]:
@@ -305,11 +334,12 @@ def taker(problem: Problem, method: str) -> tuple[str, tuple[str, ...]]:
 
 def solvers_of(problem: Problem) -> Mapping[str, Registration]:
     """Return the solvers that answer a problem's loss, split and shape, by method."""
-    known = REGISTRY[problem.loss.name, problem.split]
-    if known.get("exact") is not EXACT or not (problem.is_shaped or problem.any_depth):
+    shape = problem.shape
+    known = REGISTRY[problem.loss.name, shape.split]
+    if known.get("exact") is not EXACT or not (shape.is_shaped or shape.any_depth):
         return known
-    shaped = PARTED if problem.has_parts else SHAPED
-    return {**known, "exact": shaped if problem.is_shaped else SPARSE}
+    shaped = PARTED if shape.has_parts else SHAPED
+    return {**known, "exact": shaped if shape.is_shaped else SPARSE}
 
 
 def chosen_method(problem: Problem, method: str) -> str:
@@ -325,17 +355,17 @@ def chosen_method(problem: Problem, method: str) -> str:
         raise ProblemError(f"method is {method!r}; expected one of {', '.join(METHODS)}")
     if method not in ("auto", *known):
         raise ProblemError(
-            f"method {method!r} finds no {problem.split} trees for the loss {problem.loss.name!r}; expected one of "
-            f"{', '.join(('auto', *known))}"
+            f"method {method!r} finds no {problem.shape.split} trees for the loss {problem.loss.name!r}; expected one "
+            f"of {', '.join(('auto', *known))}"
         )
-    wanted = ("exact", "search") if problem.split == "axis" and problem.is_provable else ("search",)
+    wanted = ("exact", "search") if problem.shape.split == "axis" and problem.is_provable else ("search",)
     able = [name for name, solver in known.items() if solver.refusal(problem) is None]
     chosen = method if method != "auto" else next((name for name in wanted if name in able), wanted[0])
     if (setting := known[chosen].refusal(problem)) is not None:
         others = [f"use method {' or '.join(map(repr, able))}"] if able else []
-        named, cures = UNKNOWN.get(setting, (setting, [f"leave {setting} out"]))
+        named, cures = words_and_cures(setting)
         raise ProblemError(
             f"method {chosen!r} with the loss {problem.loss.name!r} does not know the problem's {named}; "
-            + " or ".join([*others, *cures])
+            + " or ".join([*others, cures])
         )
     return chosen

@@ -50,7 +50,7 @@ class Call:
             progress=self._shifted_progress(spent),
             options=options_for(self.problem, name, options),
         )
-        return fitting(self.problem, solution) if self.problem.is_shaped else solution
+        return fitting(self.problem, solution) if self.problem.shape.is_shaped else solution
 
     def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
         progress = self.run.progress

@@ -31,7 +31,7 @@ from octmip.trees.tradeoff.choice import choose_tree
 from octmip.trees.tradeoff.family import Family
 
 Predictor = Callable[[NDArray[np.float64]], NDArray[Any]]
-"""From features (n, n_features) to what `Problem.codes` holds: index of the class, or number (n,)."""
+"""From features (n, n_features) to what `Samples.codes` holds: index of the class, or number (n,)."""
 FOREST_TREES = 200
 MOST_ITERATIONS = 2000
 """Of logistic regression."""
@@ -46,9 +46,9 @@ def baselines_of(problem: Problem) -> Mapping[str, Callable[[int], Predictor]]:
     """
     is_class = problem.loss.predicts == "class"
     found = {"linear": partial(_fitted, problem, "logistic" if is_class else "least squares")}
-    if is_class and (problem.weights == problem.weights[0]).all():
+    if is_class and (problem.samples.weights == problem.samples.weights[0]).all():
         found["discriminant"] = partial(_fitted, problem, "discriminant")
-    if is_class and all(isinstance(name, int | float | np.number) for name in problem.class_names):
+    if is_class and all(isinstance(name, int | float | np.number) for name in problem.samples.class_names):
         found["rounded"] = partial(_rounded, problem)
     found["pruned CART"] = partial(_pruned_cart, problem)
     return found | {name: partial(_fitted, problem, name) for name in ("forest", "boosting")}
@@ -56,15 +56,16 @@ def baselines_of(problem: Problem) -> Mapping[str, Callable[[int], Predictor]]:
 
 def _fitted(problem: Problem, name: str, seed: int, targets: NDArray[Any] | None = None) -> Predictor:
     """Return a model of scikit-learn trained on centred columns, for the problem's targets or others (n_samples,)."""
-    columns = Centred.of(problem.features, has_ranks=name in ("forest", "boosting"))
+    samples = problem.samples
+    columns = Centred.of(samples.features, has_ranks=name in ("forest", "boosting"))
     is_class = problem.loss.predicts == "class" and targets is None
     model = _model(name, is_class, seed)
-    weights = {} if name == "discriminant" else {"model__sample_weight": problem.weights}
+    weights = {} if name == "discriminant" else {"model__sample_weight": samples.weights}
     if is_class:
-        model.fit(columns(problem.features), problem.codes, **weights)
+        model.fit(columns(samples.features), samples.codes, **weights)
         return lambda features: np.asarray(model.predict(columns(features)))
-    numbers, centre, exponent = unit_sized(problem.codes if targets is None else targets)
-    model.fit(columns(problem.features), numbers, **weights)
+    numbers, centre, exponent = unit_sized(samples.codes if targets is None else targets)
+    model.fit(columns(samples.features), numbers, **weights)
     return lambda features: np.asarray(np.ldexp(model.predict(columns(features)), exponent) + centre)
 
 
@@ -127,16 +128,16 @@ class Centred:
 
 
 def _rounded(problem: Problem, seed: int) -> Predictor:
-    values = np.array(problem.class_names, dtype=np.float64)
-    line = _fitted(problem, "least squares", seed, values[problem.codes])
+    values = np.array(problem.samples.class_names, dtype=np.float64)
+    line = _fitted(problem, "least squares", seed, values[problem.samples.codes])
     return lambda features: np.asarray(np.abs(line(features)[:, None] - values).argmin(axis=1))
 
 
 def _pruned_cart(problem: Problem, seed: int) -> Predictor:
     by = (False, True) if problem.loss.predicts == "class" else (False,)
     families = [Family(MAX_DEPTH, "cart", by_impurity=by_impurity) for by_impurity in by]
-    if problem.n_samples < 2:
-        raise ProblemError(f"pruned CART needs folds; got {problem.n_samples} samples, expected 2 or more")
-    folds, no_proof = min(5, problem.n_samples), Limits(seconds=0.0)  # nobody asks for a bound of a baseline
+    if problem.samples.n_samples < 2:
+        raise ProblemError(f"pruned CART needs folds; got {problem.samples.n_samples} samples, expected 2 or more")
+    folds, no_proof = min(5, problem.samples.n_samples), Limits(seconds=0.0)  # nobody asks for a bound of a baseline
     choice = choose_tree(problem, families=families, folds=folds, limits=no_proof, seed=seed, n_jobs=1)
     return partial(predict if problem.loss.predicts == "class" else predict_values, choice.tree)

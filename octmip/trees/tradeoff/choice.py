@@ -95,7 +95,8 @@ class Choice:
 
     def __repr__(self) -> str:
         """Return what was chosen, and from how much, on one line."""
-        found = {"kind": self.chosen.kind, "depth": self.problem.depth, "leaf_penalty": self.problem.leaf_penalty}
+        shape = self.problem.shape
+        found = {"kind": self.chosen.kind, "depth": shape.depth, "leaf_penalty": shape.leaf_penalty}
         found |= {"rule": self.rule, "n_steps": len(self.steps), "n_paths": len(self.paths)}
         return f"Choice({', '.join(f'{name}={value!r}' for name, value in found.items())})"
 
@@ -140,8 +141,8 @@ class Choice:
         step = self.chosen
         return {
             "kind": step.kind,
-            "depth": self.problem.depth,
-            "leaf_penalty": self.problem.leaf_penalty,
+            "depth": self.problem.shape.depth,
+            "leaf_penalty": self.problem.shape.leaf_penalty,
             "rule": self.rule,
             "n_folds": int(self.fold.max()) + 1,
             "validation_cost": step.validation_cost,
@@ -212,8 +213,8 @@ def choose_tree(
     from joblib import effective_n_jobs  # only here: every command would wait for it
 
     start = time.perf_counter()
-    if not problem.is_leaf_allowed:
-        asked = "fixed_splits" if any(part.features for part in problem.given_splits) else "max_changes"
+    if not problem.shape.is_leaf_allowed:
+        asked = "fixed_splits" if any(part.features for part in problem.shape.fixed_splits or ()) else "max_changes"
         raise ProblemError(
             f"choose_tree compares trees of every price of a split, down to a leaf, and {asked} allows no leaf; "
             "expected parts that a leaf has; give solve a depth or a leaf_penalty, or leave it out"
@@ -288,7 +289,7 @@ def choose_default(
         families=default_families(problem),
         folds=pairs,
         rule=DEFAULT_RULE,
-        limits=Limits(nodes=max(100.0, PATH_WORK / problem.features.size)),
+        limits=Limits(nodes=max(100.0, PATH_WORK / problem.samples.features.size)),
         most_solves=DEFAULT_SOLVES,
         seconds=seconds,
         seed=seed,
@@ -302,14 +303,16 @@ def _usable_folds(problem: Problem, seed: int) -> list[Fold]:
     """Return five folds but for those whose training rows make no problem, such as of one class only."""
     usable = []
     for train, held in (
-        stratified_folds(problem, min(N_FOLDS, problem.n_samples), seed) if problem.n_samples > 1 else ()
+        stratified_folds(problem, min(N_FOLDS, problem.samples.n_samples), seed)
+        if problem.samples.n_samples > 1
+        else ()
     ):
         try:
             part_of(problem, train, "the training rows")
         except ProblemError:
             continue
         usable.append((train, held))
-    return usable if any(problem.weights[held].any() for _, held in usable) else []
+    return usable if any(problem.samples.weights[held].any() for _, held in usable) else []
 
 
 def _in_time(problems: Sequence[Problem], n_at_once: int, until: float) -> Iterator[Problem]:
@@ -370,9 +373,10 @@ def _usable(
 
 
 def _checked_depths(problem: Problem, depths: Sequence[int] | None) -> list[int]:
-    levels = sorted(set(range(1, problem.depth + 1) if depths is None else depths))
-    if not levels or levels[0] < 1 or levels[-1] > problem.depth:
-        raise ProblemError(f"depths is {depths!r}; expected one or more from 1 to {problem.depth}, the problem's depth")
+    most = problem.shape.depth
+    levels = sorted(set(range(1, most + 1) if depths is None else depths))
+    if not levels or levels[0] < 1 or levels[-1] > most:
+        raise ProblemError(f"depths is {depths!r}; expected one or more from 1 to {most}, the problem's depth")
     return levels
 
 
@@ -385,4 +389,4 @@ def _fitted(problem: Problem, chosen: Step, path: PenaltyPath) -> tuple[Problem,
     penalty = chosen.alpha * problem.baseline
     known = path.best_at(penalty).tree
     levels = max(1, depth(known)) if chosen.family.method in ("cart", "search") else chosen.depth
-    return replace(problem, depth=levels, leaf_penalty=0.0 if chosen.family.by_impurity else penalty), known
+    return problem.replace(depth=levels, leaf_penalty=0.0 if chosen.family.by_impurity else penalty), known

@@ -82,8 +82,8 @@ def solve_default(problem: Problem, run: Run, stage: Callable[[str], None] | Non
             return _unchosen(problem, INTERRUPTED_DEPTH, replace(run, method="cart"), "interrupted")
     if choice is None:
         return _unchosen(problem, FEW_ROWS_DEPTH, replace(run, method="auto"), "too few rows to cross-validate")
-    whole = replace(problem, depth=choice.problem.depth, leaf_penalty=choice.problem.leaf_penalty)
-    found = choice.solution if part is None else _on_all_rows(whole, choice, part.n_samples)
+    whole = problem.replace(depth=choice.problem.shape.depth, leaf_penalty=choice.problem.shape.leaf_penalty)
+    found = choice.solution if part is None else _on_all_rows(whole, choice, part.samples.n_samples)
     assert found.tree is not None  # chosen
     objective = whole.objective(found.tree)  # in truth that of the merged samples; sums of float64 differ by rounding
     bound = min(found.bound, objective)
@@ -99,7 +99,7 @@ def _on_all_rows(whole: Problem, choice: Choice, n_rows: int) -> Solution:
 
 
 def _unchosen(problem: Problem, depth: int, run: Run, reason: str) -> DefaultAnswer:
-    shallow = replace(problem, depth=depth, leaf_penalty=0.0)
+    shallow = problem.replace(depth=depth, leaf_penalty=0.0)
     solution = solve_run(shallow, replace(run, options=NO_OPTIONS, limits=Limits(seconds=run.limits.seconds)))
     stop = Stop.INTERRUPTED if reason == "interrupted" else solution.stop
     return DefaultAnswer(shallow, replace(solution, stop=stop, details={"choice": {"reason": reason}}), None)

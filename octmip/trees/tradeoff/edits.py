@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,8 +57,9 @@ def with_splits(problem: Problem, given: Mapping[str, object]) -> Problem:
     ProblemError
         one is no split, or the problem is one that no search knows with given splits.
     """
-    own = {address(part.path): part.split_words(problem.feature_names) for part in problem.given_splits}
-    return replace(problem, fixed_splits=own | dict(given))
+    names, given_before = problem.samples.feature_names, problem.shape.fixed_splits or ()
+    own = {address(part.path): part.split_words(names) for part in given_before}
+    return problem.replace(fixed_splits=own | dict(given))
 
 
 def edit_prices(
@@ -89,7 +90,7 @@ def tree_edits(problem: Problem, tree: Node, seconds: float) -> dict[str, tuple[
     Empty where no search knows given splits: of numbers, of hyperplanes, under an order or a budget.
     """
     end, found = time.perf_counter() + seconds, {}
-    first = sorted(_splits(problem, tree, np.arange(problem.n_samples)), key=lambda one: (len(one[0]), one[0]))
+    first = sorted(_splits(problem, tree, np.arange(problem.samples.n_samples)), key=lambda one: (len(one[0]), one[0]))
     for k, (path, split, rows, above) in enumerate(first[:MOST_SPLITS]):
         now = time.perf_counter()
         try:
@@ -109,7 +110,7 @@ def _splits(
     if isinstance(node, Split) and len(rows):
         yield path, node, rows, above
         if node.threshold is not None:
-            is_left = goes_left(node, problem.features, rows)
+            is_left = goes_left(node, problem.samples.features, rows)
             above = (*above, (address(path), (node.feature, node.threshold)))
             yield from _splits(problem, node.left, rows[is_left], path + "L", above)
             yield from _splits(problem, node.right, rows[~is_left], path + "R", above)
@@ -117,18 +118,19 @@ def _splits(
 
 def _next_sensors(problem: Problem, split: Split, rows: NDArray[np.int64]) -> list[str]:
     """Return the sensors that lose least in a tree of one split over some rows, but that of the split."""
+    shape = problem.shape
     least: dict[str, float] = {}
-    rows = rows[:: max(1, len(rows) * problem.n_features // MOST_CELLS)]
-    for j in range(problem.n_features):
-        sensor = problem.sensors[problem.sensor_index[j]]
+    rows = rows[:: max(1, len(rows) * problem.samples.n_features // MOST_CELLS)]
+    for j in range(problem.samples.n_features):
+        sensor = shape.sensors[shape.sensor_index[j]]
         least[sensor] = min(least.get(sensor, math.inf), _least_of_one_split(problem, j, rows))
-    least.pop(problem.sensors[problem.sensor_index[split.feature]])
+    least.pop(shape.sensors[shape.sensor_index[split.feature]])
     return sorted(least, key=least.__getitem__)[:MOST_SENSORS]
 
 
 def _least_of_one_split(problem: Problem, feature: int, rows: NDArray[np.int64]) -> float:
-    values = problem.features[rows, feature]
+    values = problem.samples.features[rows, feature]
     order = np.argsort(values, kind="stable")
-    costs = (problem.weights[rows, None] * problem.cost_table[problem.cost_rows[rows]])[order].cumsum(axis=0)
+    costs = (problem.samples.weights[rows, None] * problem.cost_table[problem.cost_rows[rows]])[order].cumsum(axis=0)
     ends = np.flatnonzero(np.diff(values[order]) > 0)
     return float((costs[ends].min(axis=1) + (costs[-1] - costs[ends]).min(axis=1)).min(initial=math.inf))

@@ -80,7 +80,8 @@ def default_families(problem: Problem) -> tuple[Family, ...]:
 
     Of numbers deep trees are CART's alone: a search of them takes a hundred times as long as one of classes.
     """
-    is_class, is_plain = problem.loss.predicts == "class", problem.split == "axis" and problem.leaf_model == "constant"
+    is_class = problem.loss.predicts == "class"
+    is_plain = problem.shape.split == "axis" and problem.shape.leaf_model == "constant"
     quick = SearchOptions(restarts=1, perturbations=0 if is_class else None)
     if is_plain:
         found = [Family(depth, "exact", PROVEN_CUTS if is_class else CUTS_OF_NUMBERS) for depth in PROVEN_DEPTHS]
@@ -119,10 +120,10 @@ def trace_families(
         left = start + seconds - time.perf_counter()
         if paths and left <= 0:
             break
-        n_cuts, free = family.n_cuts, replace(problem, depth=family.depth, leaf_penalty=0.0)
+        n_cuts, free = family.n_cuts, problem.replace(depth=family.depth, leaf_penalty=0.0)
         if n_cuts is not None and n_cuts not in grids:
             grids[n_cuts] = Coarse.of(problem, n_cuts)
-        cut = free if n_cuts is None else replace(grids[n_cuts].problem, depth=family.depth)
+        cut = free if n_cuts is None else (grids[n_cuts].problem).replace(depth=family.depth)
         own_seconds = max(0.0, min(run.limits.seconds, left)) if paths else run.limits.seconds
         limits = replace(run.limits, seconds=own_seconds)
         if family.method == "cart":
@@ -180,7 +181,7 @@ def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> 
 
 def _bounded(problem: Problem, found: Solution, run: Run, *, keeps_tree: bool = False) -> Solution:
     """Return a solution with the bound of a proof that ends soon; proven optimal, the proof's own unless it is kept."""
-    if problem.split != "axis" or not problem.is_provable:
+    if problem.shape.split != "axis" or not problem.is_provable:
         return found
     seconds = max(0.0, min(MOST_BOUND_SECONDS, run.limits.seconds - found.seconds))
     if seconds == 0:

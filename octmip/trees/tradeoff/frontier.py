@@ -43,14 +43,15 @@ def default_values(problem: Problem, over: Literal["depth", "budget"]) -> tuple[
     ProblemError
         sensors have other costs, so that budgets must be named; or `over` is neither of the two.
     """
+    shape = problem.shape
     if over == "depth":
-        return tuple(range(1, problem.depth + 1))
+        return tuple(range(1, shape.depth + 1))
     if over != "budget":
         raise ProblemError(f"over is {over!r}; expected depth or budget; penalties of interest come from trace_path")
-    if (problem.sensor_costs != 1).any():
+    if (shape.sensor_costs != 1).any():
         raise ProblemError("sensors do not cost 1 each, so the budgets of interest are not 1, 2, ...; name the values")
-    readable = (2**problem.depth - 1) * problem.max_split_size
-    return tuple(range(1, min(len(problem.sensors), readable) + 1))
+    readable = (2**shape.depth - 1) * shape.max_split_size
+    return tuple(range(1, min(len(shape.sensors), readable) + 1))
 
 
 def trace_frontier(
@@ -119,8 +120,8 @@ def _starts(problem: Problem, over: Over, values: Sequence[float] | None, run: R
 
 def _problem_at(problem: Problem, over: Over, value: float) -> Problem:
     if over == "depth":
-        return replace(problem, depth=int(value) if value == math.floor(value) else value)  # type: ignore[arg-type]
-    return replace(problem, sensor_budget=value) if over == "budget" else replace(problem, leaf_penalty=value)
+        return problem.replace(depth=int(value) if value == math.floor(value) else value)
+    return problem.replace(sensor_budget=value) if over == "budget" else problem.replace(leaf_penalty=value)
 
 
 def _with_bounds_of_wider_limits(points: Sequence[Point]) -> list[Point]:

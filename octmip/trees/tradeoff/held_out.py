@@ -61,7 +61,7 @@ class Samples:
     features
         (n_samples, n_features) numbers.
     codes
-        (n_samples,) target of each as in `Problem.codes`: an index of the problem's `class_names`, or a number.
+        (n_samples,) target of each as in `Samples.codes`: an index of the problem's `class_names`, or a number.
     weights
         (n_samples,) risk weights.
     """
@@ -116,7 +116,7 @@ def score_of(
     problem: Problem, predictor: Callable[[NDArray[np.float64]], NDArray[Any]], samples: Samples | None = None
 ) -> Score:
     """Return what any predictor of codes loses on samples; on those of the problem if none are given."""
-    samples = samples or Samples(problem.features, problem.codes, problem.weights)
+    samples = samples or Samples(problem.samples.features, problem.samples.codes, problem.samples.weights)
     judged = samples.weights, samples.codes, predictor(samples.features)
     return Score(len(samples.codes), problem.loss.measures(*judged), problem.loss.cost(*judged, Fraction(0)))
 

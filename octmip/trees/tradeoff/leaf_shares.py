@@ -61,10 +61,11 @@ def leaves_on_fresh_rows(
     KeyboardInterrupt
         at Ctrl-C, at the end of the refit that it stops.
     """
+    samples = problem.samples
     refuse_unknown(problem, "leaves_on_fresh_rows")
     shares, hits, weights = [], [], []
     limits = Limits(seconds=seconds / FOLDS)
-    folds = stratified_folds(problem, FOLDS, seed) if problem.n_samples >= LEAST_ROWS else []
+    folds = stratified_folds(problem, FOLDS, seed) if samples.n_samples >= LEAST_ROWS else []
     for k, (train, held) in enumerate(folds):
         try:
             part = part_of(problem, train, f"the training rows of fold {k}")
@@ -75,12 +76,12 @@ def leaves_on_fresh_rows(
             raise KeyboardInterrupt("the leaf probabilities are not corrected yet")
         if solution.tree is None:  # out of time
             continue
-        leaf = LeafDistribution.of(solution.tree, part).probabilities[leaf_index(solution.tree, problem.features[held])]
+        leaf = LeafDistribution.of(solution.tree, part).probabilities[leaf_index(solution.tree, samples.features[held])]
         shares.append(leaf.max(axis=1))
-        hits.append(leaf.argmax(axis=1) == problem.codes[held])
-        weights.append(problem.weights[held])
+        hits.append(leaf.argmax(axis=1) == samples.codes[held])
+        weights.append(samples.weights[held])
     if not shares or not np.concatenate(weights).any():
         # A weight above 1 stands for so many rows, so that rows repeated and rows weighed are smoothed alike.
-        return LeafDistribution.of(tree, problem, strength=problem.n_classes * min(1.0, float(problem.weights.mean())))
+        return LeafDistribution.of(tree, problem, strength=samples.n_classes * min(1.0, float(samples.weights.mean())))
     line = fitted_line(np.concatenate(shares), np.concatenate(hits), np.concatenate(weights))
     return replace(LeafDistribution.of(tree, problem), line=line)

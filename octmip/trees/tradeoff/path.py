@@ -56,7 +56,7 @@ class PathTree:
     complexity
         features summed over its splits.
     penalty_low, penalty_high
-        for `Problem.leaf_penalty` between these it is the best of all.
+        for `Shape.leaf_penalty` between these it is the best of all.
     is_proven
         whether no tree of the problem is better for any penalty of the interval (by more than rounding).
     """
@@ -171,7 +171,7 @@ def trace_run(
     """
     if most_solves < 1:
         raise ProblemError(f"most_solves is {most_solves}; expected 1 or more; raise it")
-    free = replace(problem, leaf_penalty=0.0)
+    free = problem.replace(leaf_penalty=0.0)
     with run.options.of_study().opened(run.n_jobs) as options:
         tracer = _Tracer(free, replace(run, options=options), grown)
         for tree in (free.best_leaf(), *incumbents):
@@ -187,7 +187,7 @@ def trace_impurity(problem: Problem, run: Run, grown: Solution) -> PenaltyPath:
 
     Trees of equal cost differ in it, so it keeps splits which the cost cuts away first. Nothing is proven.
     """
-    free, start = replace(problem, leaf_penalty=0.0), time.perf_counter()
+    free, start = problem.replace(leaf_penalty=0.0), time.perf_counter()
     assert grown.tree is not None
     found = [(0.0, grown.tree), *priced_prunings(free, grown.tree, by_impurity=True)]
     ends = [*(price for price, _ in found), math.inf]
@@ -203,7 +203,7 @@ def trace_impurity(problem: Problem, run: Run, grown: Solution) -> PenaltyPath:
 def _objective(problem: Problem, tree: Node) -> float:
     """Return the objective of a tree, the samples routed by the native core: the same number, sooner for many rows."""
     route = predict if problem.loss.predicts == "class" else predict_values
-    return problem.objective_of(tree, route(tree, problem.features))
+    return problem.objective_of(tree, route(tree, problem.samples.features))
 
 
 def middle(low: float, high: float) -> float:
@@ -264,15 +264,15 @@ class _Tracer:
     def by_splits(self, most_solves: int) -> bool:
         """Allow one split more at a time; return whether all numbers of splits have been solved."""
         bounds = [(0, self.free.baseline)]  # without a split there is only the leaf
-        largest = (2**self.free.depth - 1) * self.free.max_split_size
-        largest = largest if self.free.max_splits is None else min(largest, self.free.max_splits)
+        largest = (2**self.free.shape.depth - 1) * self.free.shape.max_split_size
+        largest = largest if self.free.shape.max_splits is None else min(largest, self.free.shape.max_splits)
         if not self._first_trees():
             return False
         options = self.run.options.of_kind(MipOptions, f"method {self.run.method!r}", without=("cluster",))
         for most in range(1, min(largest, most_solves) + 1):
             starts = [pruned(self.free, known.tree, most) for known in self.best.values()]
             start = min(starts, key=lambda tree: (self.free.objective(tree), complexity(tree)))
-            solution = self._solve(replace(self.free, max_splits=most), start, options)
+            solution = self._solve(self.free.replace(max_splits=most), start, options)
             # Fewer splits are allowed too, so bounds of larger numbers hold for smaller ones; never the other way.
             bounds.append((most, solution.bound))
             if self.is_interrupted:
@@ -312,7 +312,7 @@ class _Tracer:
 
     def _solve_at(self, penalty: float) -> None:
         start = min(self.best.values(), key=lambda known: (known.price(penalty), known.complexity)).tree
-        solution = self._solve(replace(self.free, leaf_penalty=penalty), start, self.run.options)
+        solution = self._solve(self.free.replace(leaf_penalty=penalty), start, self.run.options)
         if not self.is_interrupted:
             self.bounds[penalty] = solution.bound
 

@@ -31,17 +31,17 @@ def counted(problem: Problem) -> Problem:
     rows, every row stays what it is.
     """
     problem, _ = merged(problem)
-    if problem.leaf_size > 1:
+    if problem.shape.leaf_size > 1:
         return problem
-    times = np.ones(problem.n_samples, dtype=np.int64)
-    classes = problem.codes if problem.loss.predicts == "class" else np.zeros(problem.n_samples)
+    times = np.ones(problem.samples.n_samples, dtype=np.int64)
+    classes = problem.samples.codes if problem.loss.predicts == "class" else np.zeros(problem.samples.n_samples)
     for code in np.unique(classes):
-        rows = np.flatnonzero((classes == code) & (problem.weights > 0))
-        times[rows] = _multiples(problem.weights[rows])
-    if not problem.n_samples < times.sum() <= MOST_ROWS:
+        rows = np.flatnonzero((classes == code) & (problem.samples.weights > 0))
+        times[rows] = _multiples(problem.samples.weights[rows])
+    if not problem.samples.n_samples < times.sum() <= MOST_ROWS:
         return problem
-    rows = np.repeat(np.arange(problem.n_samples), times)
-    return problem.of_rows(rows, weights=(problem.weights / times)[rows])
+    rows = np.repeat(np.arange(problem.samples.n_samples), times)
+    return problem.of_rows(rows, weights=(problem.samples.weights / times)[rows])
 
 
 def _multiples(weights: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -11,7 +11,6 @@ suffices, so that times which differ a little seldom make another tree.
 
 import math
 import time
-from dataclasses import replace
 
 import numpy as np
 
@@ -44,8 +43,8 @@ def sampled(problem: Problem, seconds: float, turns: int, seed: int) -> Problem 
     seed
         of the draw.
     """
-    n = problem.n_samples
-    readings = problem.n_features * (1 + problem.n_classes // MANY_CLASSES)
+    n = problem.samples.n_samples
+    readings = problem.samples.n_features * (1 + problem.samples.n_classes // MANY_CLASSES)
     n_few = min(FEWEST_ROWS, max(FEWEST_MEASURED, FEW_READINGS // readings))
     if n <= n_few or math.isinf(seconds):
         return None
@@ -65,7 +64,7 @@ def sampled(problem: Problem, seconds: float, turns: int, seed: int) -> Problem 
 
 def _seconds_of_path(problem: Problem, seconds: float) -> float:
     start = time.perf_counter()
-    trace_run(replace(problem, depth=MAX_DEPTH), Run("cart", Limits(seconds=seconds)))
+    trace_run(problem.replace(depth=MAX_DEPTH), Run("cart", Limits(seconds=seconds)))
     return time.perf_counter() - start
 
 
@@ -74,5 +73,5 @@ def _work(n_rows: float) -> float:
 
 
 def _drawn(problem: Problem, share: float, seed: int) -> Problem:
-    rows = np.flatnonzero(held_out_rows(strata_of(problem.loss, problem.targets), share, seed))
+    rows = np.flatnonzero(held_out_rows(strata_of(problem.loss, problem.samples.targets), share, seed))
     return problem.of_rows(rows)

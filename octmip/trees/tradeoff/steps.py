@@ -71,8 +71,9 @@ def judged_steps(
     problem: Problem, path: PenaltyPath, family: Family, of_folds: Sequence[PenaltyPath], pairs: Sequence[Fold]
 ) -> tuple[list[Step], Judged]:
     """Return the steps of one family, neighbours of equal validation cost as one, and what they were judged by."""
+    samples = problem.samples
     held = [rows for _, rows in pairs]
-    weights = [problem.weights[rows] for rows in held]
+    weights = [samples.weights[rows] for rows in held]
     predicted = [_predictions(problem, fold, rows) for fold, rows in zip(of_folds, held, strict=True)]
     losses = [_losses(problem, rows, values) for rows, values in zip(held, predicted, strict=True)]
     costs = [np.array([math.fsum(column) for column in fold.T]) for fold in losses]
@@ -85,15 +86,16 @@ def judged_steps(
         cost = np.array([fold[k] for fold, k in zip(costs, at, strict=True)])
         if not known or (cost != known[-1][2]).any():
             known.append((low, at, cost))
-    contrasts = problem.loss.contrasts(problem.weights, problem.codes)
+    contrasts = problem.loss.contrasts(samples.weights, samples.codes)
     trees = np.array([at for _, at, _ in known])
     judged = Judged(losses, weights, trees, np.arange(len(known)), predicted, contrasts)
-    sums, steps = judged.sums(), []
+    own, unit = judged.in_units()
+    sums, steps = own.sums(), []
     ends_of = [*(low for low, _, _ in known[1:]), math.inf]
-    means, errors = sums.means().tolist(), sums.standard_errors().tolist()
+    means, errors = (sums.means() * unit).tolist(), (sums.standard_errors() * unit).tolist()
     for (low, _, _), high, mean, error in zip(known, ends_of, means, errors, strict=True):
         tree = path.best_at(middle(low, high) * baseline)
-        steps.append(Step(family, low, high, mean, error, tree.complexity, tree.cost / float(problem.weights.sum())))
+        steps.append(Step(family, low, high, mean, error, tree.complexity, tree.cost / float(samples.weights.sum())))
     return steps, judged
 
 
@@ -117,12 +119,12 @@ def all_together(judged: Sequence[Judged], steps: Sequence[Step]) -> Judged:
 def _predictions(problem: Problem, path: PenaltyPath, rows: Rows) -> NDArray[Any]:
     """Return what every tree of a path predicts for the held-out rows, shape (n_rows, n_trees)."""
     how = predict if problem.loss.predicts == "class" else predict_values
-    return np.stack([how(best.tree, problem.features[rows]) for best in path.trees], axis=1)
+    return np.stack([how(best.tree, problem.samples.features[rows]) for best in path.trees], axis=1)
 
 
 def _losses(problem: Problem, rows: Rows, predicted: NDArray[Any]) -> NDArray[np.float64]:
     """Return weight times cost of the held-out rows by every tree of a path, shape (n_rows, n_trees)."""
-    part = problem.weights[rows], problem.codes[rows]
+    part = problem.samples.weights[rows], problem.samples.codes[rows]
     return np.stack([problem.loss.row_costs(*part, values) for values in predicted.T], axis=1)
 
 

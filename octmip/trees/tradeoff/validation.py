@@ -14,8 +14,9 @@ accurate cross-validation (2018). The standard error by rows: Breiman, Friedman,
 and Regression Trees, section 3.4.3.
 """
 
+import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -142,6 +143,16 @@ class Judged:
     predicted: Sequence[NDArray[Any]] = ()
     contrasts: Floats | None = None
 
+    def in_units(self) -> tuple["Judged", float]:
+        """Return the same in powers of two in which no square overflows, and the unit of its costs per weight."""
+        loss, weight = (
+            int(np.frexp(max((float(fold.max(initial=0.0)) for fold in folds), default=0.0))[1])
+            for folds in (self.losses, self.weights)
+        )
+        losses, weights = [np.ldexp(fold, -loss) for fold in self.losses], [np.ldexp(w, -weight) for w in self.weights]
+        contrasts = None if self.contrasts is None else np.ldexp(self.contrasts, -loss)
+        return replace(self, losses=losses, weights=weights, contrasts=contrasts), math.ldexp(1.0, loss - weight)
+
     def sums(self) -> Sums:
         """Return the sums of every step over all rows held out, shape (n_steps,)."""
         return next(self._sums([np.ones((1, len(weights))) for weights in self.weights]))
@@ -174,7 +185,8 @@ class Judged:
         """Return the simplest step whose validated cost is so near the least."""
         times = [np.ones(len(weights)) for weights in self.weights]
         every = np.ones(len(self.trees), dtype=np.bool_)
-        return self._best(times, self.sums(), nearness, every, self._farthest)
+        own, _ = self.in_units()
+        return own._best(times, own.sums(), nearness, every, own._farthest)
 
     def _best(
         self,
@@ -222,15 +234,16 @@ class Judged:
             of the draws.
         """
         every = np.ones(len(is_cart), dtype=np.bool_)
-        costs, farthest = [], cache(self._farthest)  # few steps are the least of any draw
-        for times, drawn, left in self._draws(seed):
+        own, unit = self.in_units()
+        costs, farthest = [], cache(own._farthest)  # few steps are the least of any draw
+        for times, drawn, left in own._draws(seed):
             if left.weight > 0 and drawn.weight > 0:
-                at = self._best(times, drawn, nearness, every, farthest)
-                by_cart = self._best(times, drawn, Nearness(0.0), is_cart, farthest) if is_cart.any() else at
+                at = own._best(times, drawn, nearness, every, farthest)
+                by_cart = own._best(times, drawn, Nearness(0.0), is_cart, farthest) if is_cart.any() else at
                 costs.append(left.means()[[at, by_cart]])
         if not costs:
             return None
-        tree, cart = np.array(costs).T
+        tree, cart = np.array(costs).T * unit
         beside = (Expected.of(cart), Expected.of(tree - cart)) if is_cart.any() else (None, None)
         return Expectation(Expected.of(tree), *beside)
 

@@ -174,9 +174,10 @@ class LeafDistribution:
             count samples by the problem's weights; False: each as one, where weights are what an error
             costs and not how often a sample comes.
         """
-        weights = np.zeros((len(leaves(tree)), problem.n_classes))
-        added = problem.weights if is_weighted else np.ones(problem.n_samples)
-        np.add.at(weights, (leaf_index(tree, problem.features), problem.codes), added)
+        samples = problem.samples
+        weights = np.zeros((len(leaves(tree)), samples.n_classes))
+        added = samples.weights if is_weighted else np.ones(samples.n_samples)
+        np.add.at(weights, (leaf_index(tree, samples.features), samples.codes), added)
         return cls(tree, weights, strength, prior)
 
     @property

@@ -19,6 +19,6 @@ def test_a_parquet_file_of_float32_columns_makes_no_float64_table(tmp_path):
     parser = Parser("octmip solve", None)
     options.add_arguments(parser)
     problem = read_problem(parser.parse_args([str(path), "--label", "y", "--depth", "2"])).problem
-    assert problem.features.dtype == np.float32
+    assert problem.samples.features.dtype == np.float32
     wide = Problem(features.astype(np.float64), labels, depth=2)
     assert solve(problem, "exact").objective == solve(wide, "exact").objective

@@ -102,6 +102,7 @@ def test_doctor_finds_this_installation_in_order(run):
     assert out.splitlines()[-1] == "This installation works."
     found = json.loads(run("doctor", "--json")[1])
     assert found["is_healthy"]
+    assert found["unknown"]["search of numbers"][0] == "takes_missing"
     assert {"python", "numpy", "HiGHS", "native core", "octmip[plot]"} <= {line["name"] for line in found["findings"]}
 
 

@@ -34,7 +34,7 @@ from octmip.trees.question.classes import factors_of
 from octmip.trees.question.losses import ClassCosts, Loss, NumberLoss, number_loss
 from octmip.trees.question.problem import Problem
 from octmip.trees.question.shape import splits_of
-from octmip.trees.runs.registry import OF_CLASSES_ALONE
+from octmip.trees.runs.registry import CAPABILITIES, lacked
 from octmip.trees.tradeoff import Samples, Score, held_out_rows, strata_of
 
 FEWEST_COUNTED = 20
@@ -121,10 +121,10 @@ def read_problem(arguments: argparse.Namespace) -> TableProblem:
     of_training = labels[~is_held], weights[~is_held]
     problem = _problem(arguments, loss, preparation.columns, training, *of_training, settings)
     if arguments.class_weight is not None:
-        given = class_weight_of(arguments.class_weight, list(problem.class_names))
-        factors = factors_of(given, problem.class_names, problem.codes, problem.weights)
-        weighted = problem.weights * factors[problem.codes]
-        problem = replace(problem, weights=weighted, leaf_weight=arguments.leaf_weight)
+        given = class_weight_of(arguments.class_weight, list(problem.samples.class_names))
+        factors = factors_of(given, problem.samples.class_names, problem.samples.codes, problem.samples.weights)
+        weighted = problem.samples.weights * factors[problem.samples.codes]
+        problem = problem.replace(weights=weighted, leaf_weight=arguments.leaf_weight)
         preparation = replace(preparation, class_weight=tuple(factors.tolist()))
     held_out = samples_of(problem, features[is_held], labels[is_held], weights[is_held]) if share is not None else None
     if getattr(arguments, "test", None):
@@ -166,12 +166,12 @@ def _check_predicted(arguments: argparse.Namespace) -> None:
 
 
 def _refuse_options_of_classes(arguments: argparse.Namespace) -> None:
-    for name, about in OF_CLASSES_ALONE.items():
+    for name in lacked("numbers", "word"):
         if getattr(arguments, name) not in (None, False):
             option = f"--{name.replace('_', '-')}"
             raise DataError(
-                f"{option} is given with --target {arguments.target}, but is about {about}; expected options of "
-                f"regression trees; leave {option} out, or name a column of classes with --label"
+                f"{option} is given with --target {arguments.target}, but is about {CAPABILITIES[name].words}; "
+                f"expected options of regression trees; leave {option} out, or name a column of classes with --label"
             )
 
 
@@ -319,7 +319,9 @@ def _tested(path: str, problem: Problem, chosen: Chosen, preparation: Preparatio
     table = kept_rows(read_table(path), preparation.rows, chosen.label, chosen.needed)
     is_number = problem.loss.predicts == "number"
     labels = (
-        table.numbers([chosen.label], "target")[:, 0] if is_number else table.labels(chosen.label, problem.class_names)
+        table.numbers([chosen.label], "target")[:, 0]
+        if is_number
+        else table.labels(chosen.label, problem.samples.class_names)
     )
     try:
         return samples_of(problem, preparation.columns.encode(table.frame), labels, _weights(table, chosen))
@@ -348,7 +350,7 @@ def _forms(table: Table, chosen: Chosen, purpose: str) -> tuple[str, ...]:
 
 def _missing(problem: Problem) -> tuple[str, ...]:
     """Return a sentence about the training readings that are missing; none where none is."""
-    count = problem.n_missing
+    count = problem.samples.n_missing
     return (f"{count} training reading{'s are' if count > 1 else ' is'} missing",) if count else ()
 
 

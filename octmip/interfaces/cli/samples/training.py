@@ -32,7 +32,7 @@ def samples_of(
     """Return samples with targets as the problem's loss reads them: numbers, or classes by their place."""
     if problem.loss.predicts == "number":
         return Samples(features, labels, weights)
-    return Samples(features, codes_of(labels, problem.class_names), weights)
+    return Samples(features, codes_of(labels, problem.samples.class_names), weights)
 
 
 def targets_of(file: TreeFile, table: Table, column: str) -> NDArray[Any]:
@@ -112,7 +112,7 @@ def read_training(
     if problem.digest() != file.sha256:
         raise CertificateError(
             f"{table.name} is not the table that {source} was trained on: sha256 {problem.digest()[:12]}.. of "
-            f"{problem.n_samples} samples, expected {file.sha256[:12]}... of {file.n_samples}; give that table"
+            f"{problem.samples.n_samples} samples, expected {file.sha256[:12]}... of {file.n_samples}; give that table"
         )
     held = samples_of(problem, features[is_held], labels[is_held], weighed[is_held]) if is_split else None
     return Training(problem, table.rows(~is_held), held)

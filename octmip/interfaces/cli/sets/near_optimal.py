@@ -63,7 +63,7 @@ def _chosen(found: NearOptimalSet, arguments: argparse.Namespace) -> tuple[list[
 
 def as_json(found: NearOptimalSet, best: list[NearTree], samples: list[NearTree]) -> dict[str, Any]:
     """Return the JSON object of a set; its schema is octmip/interfaces/schemas/near_optimal.schema.json."""
-    names = found.problem.feature_names
+    names = found.problem.samples.feature_names
     by_sets = found.by_sensors
     return {
         "format": FORMAT,
@@ -95,8 +95,8 @@ def _interval_json(interval: RootInterval, names: tuple[str, ...]) -> dict[str, 
 
 def _tree_json(found: NearOptimalSet, entry: NearTree) -> dict[str, Any]:
     problem = found.problem
-    tree = encode_tree(entry.tree, problem.feature_names, problem.class_names)
-    return {"objective": entry.objective, "sensors": list(problem.sensors_used(entry.tree)), "tree": tree}
+    tree = encode_tree(entry.tree, problem.samples.feature_names, problem.samples.class_names)
+    return {"objective": entry.objective, "sensors": list(problem.shape.sensors_used(entry.tree)), "tree": tree}
 
 
 def _show(
@@ -111,7 +111,7 @@ def _show(
     for title, trees in (("best", best), ("sample", samples)):
         for k, entry in enumerate(trees, 1):
             problem, columns = asked.problem, asked.preparation.columns
-            words = tree_text(entry.tree, problem.feature_names, problem.class_names, None, columns)
+            words = tree_text(entry.tree, problem.samples.feature_names, problem.samples.class_names, None, columns)
             print(printable(f"\n{title} {k}, objective {number(entry.objective)}\n{words}"))
     print(f"\n{_verdict(found, wants_samples)}")
 
@@ -129,7 +129,7 @@ def _summary(found: NearOptimalSet) -> str:
 
 def _roots(found: NearOptimalSet, columns: Columns) -> str:
     rows: list[dict[str, Any]] = []
-    names = found.problem.feature_names
+    names = found.problem.samples.feature_names
     total = max(1, found.trees_at_least)
     if "" in found.by_root:
         rows.append(
@@ -178,6 +178,6 @@ def _verdict(found: NearOptimalSet, wants_samples: bool) -> str:
         no_sample = " No sample is drawn from it: it would not be uniform." if wants_samples else ""
         cuts = f"{n_open} cuts of the root are open, their trees not counted"
         return f"Not complete (stop: {found.stop}): {cuts}.{no_sample}"
-    least, depth = sum(n for cost, n in found.spectrum if cost == found.optimum), found.problem.depth
+    least, depth = sum(n for cost, n in found.spectrum if cost == found.optimum), found.problem.shape.depth
     trees = "1 tree" if found.trees == 1 else f"{found.trees:,} trees"
     return f"Proven: exactly {trees} of depth {depth} or less within the limit, {least:,} of them optimal."

@@ -90,7 +90,7 @@ def _loss_json(found: SensorRoles, loss: Without) -> dict[str, Any]:
         "bound": finite_or_none(loss.bound),
         "is_proven": loss.is_proven,
         "reads": list(loss.read),
-        "tree": encode_tree(loss.tree, problem.feature_names, problem.class_names),
+        "tree": encode_tree(loss.tree, problem.samples.feature_names, problem.samples.class_names),
     }
 
 

@@ -101,17 +101,17 @@ def _asked(index: int, coefficient: float, wording: Wording, node: Split | Hyper
 def sample_data(evidence: Evidence, measure: Measure, wording: Wording) -> dict[str, Any]:
     """Return samples of each leaf in the order of the table, as text, within the limits of this module."""
     problem, tree, table = evidence.problem, measure.file.tree, evidence.table
-    reached = leaf_index(tree, problem.features)
+    reached = leaf_index(tree, problem.samples.features)
     names, is_number, cells = _columns(problem, tree, wording, table)
     n_leaves = len(leaves(tree))
     each = max(1, min(MOST_ROWS, MOST_CELLS // (n_leaves * max(1, len(names)))))
     rows_of = [np.flatnonzero(reached == k)[:each] for k in range(n_leaves)]
-    place = range(problem.n_samples) if table is None else table.index.tolist()
+    place = range(problem.samples.n_samples) if table is None else table.index.tolist()
     found = []
     for k, rows in enumerate(rows_of):
         samples = zip(rows.tolist(), measure.script_samples(evidence, rows.tolist(), k), strict=True)
         found.append([[place[row] + 1, *judged, *cells(row)] for row, judged in samples])
-    total = problem.n_features if table is None else table.shape[1]
+    total = problem.samples.n_features if table is None else table.shape[1]
     return {"columns": short_names(names), "isNumber": is_number, "leaves": found, "of": total}
 
 
@@ -119,9 +119,9 @@ def _columns(problem: Problem, tree: Node, wording: Wording, table: pd.DataFrame
     """Return the columns that are shown, those that the tree reads first; which hold numbers; what gives a row's."""
     read = list(features_used(tree))
     if table is None:
-        chosen = [*read, *(j for j in range(problem.n_features) if j not in read)][:MOST_COLUMNS]
-        names = [problem.feature_names[j] for j in chosen]
-        return names, [True] * len(names), lambda row: [figure(problem.features[row, j]) for j in chosen]
+        chosen = [*read, *(j for j in range(problem.samples.n_features) if j not in read)][:MOST_COLUMNS]
+        names = [problem.samples.feature_names[j] for j in chosen]
+        return names, [True] * len(names), lambda row: [figure(problem.samples.features[row, j]) for j in chosen]
     every = [str(name) for name in table.columns]
     first = [name for j in read if (name := wording.feature(j).column) in every]
     names = list(dict.fromkeys([*first, *every]))[:MOST_COLUMNS]

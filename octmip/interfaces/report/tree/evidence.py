@@ -117,13 +117,13 @@ def gather(file: TreeFile, problem: Problem, *, seconds: float = 10.0) -> Eviden
     CertificateError
         the tree is not what its file claims.
     """
-    free = replace(problem, fixed_splits=None, path_rules=None, old_tree=None, max_changes=None)
+    free = problem.replace(fixed_splits=None, path_rules=None, old_tree=None, max_changes=None)
     greedy = greedy_tree(free, seed=file.solution.seed)  # it knows no parts
     out = Evidence(problem, certify(problem, file.solution), greedy, certify(free, greedy))
     if seconds <= 0:
         return out
     out = replace(out, edits=tree_edits(problem, file.tree, SHARE_OF_EDITS * seconds))
-    if problem.has_parts:  # fewer levels may not hold them
+    if problem.shape.has_parts:  # fewer levels may not hold them
         return out
     each = seconds / max(1, _levels(file, problem) - 1)
     run = Run(limits=Limits(seconds=each), seed=file.solution.seed)
@@ -140,7 +140,7 @@ def _depths(file: TreeFile, problem: Problem, greedy: Solution, run: Run) -> tup
     for one, solution in solved:
         other = greedy_tree(one, seed=run.seed).objective if greedy.seconds <= run.limits.seconds else None
         proven = solution.objective if solution.meets_bound else max(solution.bound, bound)
-        found.append(DepthPoint(one.depth, solution.objective, proven, other))
+        found.append(DepthPoint(one.shape.depth, solution.objective, proven, other))
     own = file.solution
     proven = own.objective if own.meets_bound else own.bound
     return (*found, DepthPoint(_levels(file, problem), own.objective, proven, greedy.objective))
@@ -148,7 +148,7 @@ def _depths(file: TreeFile, problem: Problem, greedy: Solution, run: Run) -> tup
 
 def _levels(file: TreeFile, problem: Problem) -> int:
     """Return the depth that was asked for, of any depth that of the tree."""
-    return max(1, depth(file.tree)) if problem.any_depth else problem.depth
+    return max(1, depth(file.tree)) if problem.shape.any_depth else problem.shape.depth
 
 
 def judged_by(evidence: Evidence, file: TreeFile, samples: Samples, source: str) -> Evidence:

@@ -48,8 +48,8 @@ def comparison(file: TreeFile, evidence: Evidence | None, measure: Measure, word
     for name, count in (("splits", n_splits), ("depth", depth)):
         rows.append([name, count(file.tree), count(greedy), ""])
     rows.append(["columns read", _n_columns(file.tree, wording), _n_columns(greedy, wording), ""])
-    if file.settings["sensor_budget"] is not None or any(cost != 1 for cost in evidence.problem.sensor_costs):
-        costs = [evidence.problem.sensor_cost_of(tree) for tree in (file.tree, greedy)]
+    if file.settings["sensor_budget"] is not None or any(cost != 1 for cost in evidence.problem.shape.sensor_costs):
+        costs = [evidence.problem.shape.sensor_cost_of(tree) for tree in (file.tree, greedy)]
         rows.append(["cost of the sensors read", *(figure(cost) for cost in costs), differs(costs[1] - costs[0])])
     return {"head": ["", "this tree", "greedy tree", "greedy loses"], "rows": rows}
 

@@ -216,7 +216,7 @@ class OfClasses(Measure):
     def script_samples(self, evidence: Evidence, rows: Sequence[int], leaf: int) -> list[list[Any]]:
         """Return the true class of each sample, and 1 where the answer is another."""
         label = leaves(self.file.tree)[leaf].label
-        codes = evidence.problem.codes[list(rows)].tolist()
+        codes = evidence.problem.samples.codes[list(rows)].tolist()
         names = self.legend()
         return [[names[code], int(code != label)] for code in codes]
 

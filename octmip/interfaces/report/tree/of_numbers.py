@@ -140,8 +140,8 @@ class OfNumbers(Measure):
         """Return how far off shares of the samples are, in training and held out."""
         if evidence is None:
             return []
-        problem = evidence.problem
-        found = [_misses("Training samples", predict_values(self.file.tree, problem.features) - problem.codes)]
+        samples = evidence.problem.samples
+        found = [_misses("Training samples", predict_values(self.file.tree, samples.features) - samples.codes)]
         if evidence.held_out is not None:
             held = evidence.held_out
             off = predict_values(held.tree, held.samples.features) - held.samples.codes
@@ -157,8 +157,8 @@ class OfNumbers(Measure):
     def _off(self, evidence: Evidence) -> list[NDArray[np.float64]]:
         """Return how far off each training sample is, those of each leaf together, leaves from the left."""
         problem, tree = evidence.problem, self.file.tree
-        off = np.abs(predict_values(tree, problem.features) - problem.codes)
-        reached = leaf_index(tree, problem.features)
+        off = np.abs(predict_values(tree, problem.samples.features) - problem.samples.codes)
+        reached = leaf_index(tree, problem.samples.features)
         return [off[reached == k] for k in range(len(leaves(tree)))]
 
     def answer(self, leaf: Leaf, wording: Wording) -> str:
@@ -189,8 +189,8 @@ class OfNumbers(Measure):
     def script_samples(self, evidence: Evidence, rows: Sequence[int], leaf: int) -> list[list[Any]]:
         """Return the target of each sample, and by how much the answer misses it."""
         problem, chosen = evidence.problem, list(rows)
-        off = predict_values(self.file.tree, problem.features[chosen]) - problem.codes[chosen]
-        pairs = zip(problem.codes[chosen].tolist(), off.tolist(), strict=True)
+        off = predict_values(self.file.tree, problem.samples.features[chosen]) - problem.samples.codes[chosen]
+        pairs = zip(problem.samples.codes[chosen].tolist(), off.tolist(), strict=True)
         return [[f"{figure(true)} ({_signed(miss)})", 0] for true, miss in pairs]
 
     def on_new_samples(self, held: HeldOut, tree: Node, problem: Problem) -> str:

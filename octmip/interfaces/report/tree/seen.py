@@ -56,18 +56,19 @@ class Seen:
     @classmethod
     def of(cls, problem: Problem, tree: Node, histograms: bool = False) -> "Seen":
         """Return the samples of a problem in a tree."""
+        samples = problem.samples
         misses = np.empty(0)
-        if not problem.n_classes:
+        if not samples.n_classes:
             with np.errstate(over="ignore"):
-                misses = predict_values(tree, problem.features) - problem.codes
-        return cls(problem, leaf_index(tree, problem.features), misses, histograms)
+                misses = predict_values(tree, samples.features) - samples.codes
+        return cls(problem, leaf_index(tree, samples.features), misses, histograms)
 
     def spread(self, leaf: int) -> float | None:
         """Return the standard deviation of the samples of a leaf about its answer; None where it has no weight."""
         here = np.flatnonzero(self.leaf_of_sample == leaf)
         if not len(self.misses) or not len(here):
             return None
-        misses, weights = self.misses[here], self.problem.weights[here]
+        misses, weights = self.misses[here], self.problem.samples.weights[here]
         largest = float(np.abs(misses).max()) or 1.0  # squares of parts of the largest do not overflow
         if not weights.any() or not np.isfinite(largest):
             return None
@@ -78,9 +79,10 @@ class Seen:
         here = np.flatnonzero((self.leaf_of_sample >= first) & (self.leaf_of_sample < end))
         if not self.has_histograms or not len(here):
             return None
-        codes = self.problem.codes[here] if self.problem.n_classes else np.zeros(len(here), dtype=np.int64)
-        counts = np.eye(self.problem.n_classes or 1, dtype=np.int64)[codes]
-        return _histogram(*_compared(split, self.problem.features[here]), self.leaf_of_sample[here] < middle, counts)
+        samples = self.problem.samples
+        codes = samples.codes[here] if samples.n_classes else np.zeros(len(here), dtype=np.int64)
+        counts = np.eye(samples.n_classes or 1, dtype=np.int64)[codes]
+        return _histogram(*_compared(split, samples.features[here]), self.leaf_of_sample[here] < middle, counts)
 
 
 def _compared(

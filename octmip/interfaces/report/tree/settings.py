@@ -84,7 +84,7 @@ def risk(file: TreeFile, measure: Measure, evidence: Evidence | None) -> dict[st
 def _range(evidence: Evidence | None) -> str:
     if evidence is None:
         return ""
-    weights = evidence.problem.weights
+    weights = evidence.problem.samples.weights
     return f", from {figure(float(weights.min()))} to {figure(float(weights.max()))}"
 
 

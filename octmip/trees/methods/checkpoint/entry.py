@@ -133,8 +133,8 @@ def entry_of(problem: Problem, method: str, limits: Limits, seed: int, options: 
     given = options.checkpoint
     is_study = isinstance(given, Study)
     file = CheckpointFile(given.path if is_study else given, is_study)
-    shape = [(one.name, getattr(problem, one.name)) for one in fields(Shape) if one.name != "sensor_cost"]
-    question = [problem.any_depth, problem.loss, *((name, _in_full(problem, value)) for name, value in shape)]
+    shape = [(one.name, getattr(problem.shape, one.name)) for one in fields(Shape) if one.name != "sensor_cost"]
+    question = [problem.shape.any_depth, problem.loss, *((name, _in_full(problem, value)) for name, value in shape)]
     asked = {
         "data": problem.digest(),
         "question": _digest(question),
@@ -171,7 +171,7 @@ def decoded_tree(problem: Problem, tree: Any) -> Node | None:
 
 def _numbers(problem: Problem) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     is_class = problem.loss.predicts == "class"
-    return tuple(range(problem.n_features)), tuple(range(problem.n_classes)) if is_class else ()
+    return tuple(range(problem.samples.n_features)), tuple(range(problem.samples.n_classes)) if is_class else ()
 
 
 def _encoded(problem: Problem, solution: Solution) -> dict[str, Any]:

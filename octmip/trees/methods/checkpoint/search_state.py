@@ -15,7 +15,6 @@ import hashlib
 import math
 import zlib
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from octmip.errors import OctmipError, ProblemError
@@ -212,7 +211,7 @@ class StateEntry(NamedTuple):
 
     def _tree(self, encoded: Any, *, is_within: bool = True) -> Node | None:
         """Return a tree that is kept, refused where it is none of the problem (or over its budget)."""
-        problem = self.problem if is_within else replace(self.problem, sensor_budget=None)
+        problem = self.problem if is_within else self.problem.replace(sensor_budget=None)
         with self._decoding():
             return feasible_incumbent(problem, decoded_tree(problem, encoded))
 

@@ -62,7 +62,7 @@ class Bounds:
         """Return the bounds that follow from class counts alone."""
         ranks = rank_features(problem)
         usable = np.array(axis.usable_features(problem, ranks), dtype=np.int64)
-        counts, n_leaves = ClassCount(problem, ranks, prices), 2 ** (problem.depth - 1)
+        counts, n_leaves = ClassCount(problem, ranks, prices), 2 ** (problem.shape.depth - 1)
         worst = prices.costs.max(axis=1)
         cuts = Cuts.of(ranks, usable)
         on_left = cuts.left_of(prices.weights, prices.profile, prices.n_profiles)
@@ -73,10 +73,10 @@ class Bounds:
         return out
 
     def _leave_out_small_sides(self) -> None:
-        if self.problem.leaf_size > 1:
-            n_left = self._by_cut(np.ones(self.problem.n_samples))
-            smaller = np.minimum(n_left, self.problem.n_samples - n_left)
-            self.both[smaller < self.problem.leaf_size] = NEVER
+        if self.problem.shape.leaf_size > 1:
+            n_left = self._by_cut(np.ones(self.problem.samples.n_samples))
+            smaller = np.minimum(n_left, self.problem.samples.n_samples - n_left)
+            self.both[smaller < self.problem.shape.leaf_size] = NEVER
 
     @property
     def price(self) -> NDArray[np.float64]:
@@ -128,7 +128,7 @@ class Bounds:
             left[outside > 0] = 0
             right[outside < (~samples).sum()] = 0
         if sensor is not None:
-            is_other = self.problem.sensor_index[self.cuts.feature] != sensor
+            is_other = self.problem.shape.sensor_index[self.cuts.feature] != sensor
             left[is_other] = right[is_other] = 0
         np.maximum(self.left, left, out=self.left)
         np.maximum(self.right, right, out=self.right)

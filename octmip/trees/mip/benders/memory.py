@@ -47,7 +47,7 @@ class Memory:
 
     def recall(self, subproblem: Subproblem) -> list[tuple[NDArray[np.bool_], float]]:
         """Return samples of a subproblem, as a mask of its own, and the least cost of a tree one level below there."""
-        depth = subproblem.problem.depth - 1
+        depth = subproblem.problem.shape.depth - 1
         known = [(samples, price) for level, samples, price in self.entries[-LAST:] if level == depth]
         if not known:
             return []

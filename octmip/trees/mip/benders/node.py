@@ -81,10 +81,10 @@ class NodeSearch:
         """Return the search before its first round, with the bounds of class counts and of the memory."""
         problem, prices = subproblem.problem, subproblem.prices
         bounds = Bounds.of_class_counts(problem, prices)
-        if problem.sensor_budget is None:  # with one, a value holds for one sensor above only
+        if problem.shape.sensor_budget is None:  # with one, a value holds for one sensor above only
             for samples, price in memory.recall(subproblem):
                 bounds.learn(samples, price)
-        leaf = float(prices.of_labels(np.arange(problem.n_samples)).min())
+        leaf = float(prices.of_labels(np.arange(problem.samples.n_samples)).min())
         tried = np.zeros(len(bounds.cuts.feature), dtype=bool)
         return cls(subproblem, answer, together, best, prices.of_tree(problem, best), leaf, bounds, memory, tried)
 
@@ -115,7 +115,7 @@ class NodeSearch:
 
     def _learn(self, evaluated: Evaluated) -> None:
         cut, problem = evaluated.cut, self.subproblem.problem
-        sensor = int(problem.sensor_index[cut.feature]) if math.isfinite(problem.sensor_limit) else None
+        sensor = int(problem.shape.sensor_index[cut.feature]) if math.isfinite(problem.shape.sensor_limit) else None
         for lesson in evaluated.lessons:
             self.bounds.learn(lesson.samples, lesson.price, within=lesson.within, sensor=sensor)
         self.bounds.both[cut.place] = max(self.bounds.both[cut.place], evaluated.both)
@@ -164,13 +164,13 @@ class NodeSearch:
             return at_leaf
         subproblem = _side_of(self.subproblem, samples, cut.feature, target)
         problem = subproblem.problem
-        if problem.leaf_size == 1:
+        if problem.shape.leaf_size == 1:
             found = self.answer(subproblem, memory)
-            memory.add(problem.depth, subproblem.rows, found.bound)
+            memory.add(problem.shape.depth, subproblem.rows, found.bound)
             lessons.append(Lesson(samples, found.bound, within=False))
             return found
-        free = self.answer(replace(subproblem, problem=replace(problem, leaf_size=1)), memory)
-        memory.add(problem.depth, subproblem.rows, free.bound)
+        free = self.answer(replace(subproblem, problem=problem.replace(leaf_size=1)), memory)
+        memory.add(problem.shape.depth, subproblem.rows, free.bound)
         lessons.append(Lesson(samples, free.bound, within=False))
         if free.bound >= target or _holds_leaf_size(problem, free.tree):
             return free
@@ -186,29 +186,31 @@ def _leaf_answer(subproblem: Subproblem, samples: NDArray[np.bool_]) -> Answer:
     label = int(by_label.argmin())
     price = float(by_label[label])
     least = float((prices.weights[rows] * prices.costs[prices.profile[rows]].min(axis=1)).sum())
-    is_one_class = bool((subproblem.problem.codes[rows] == subproblem.problem.codes[rows[0]]).all())
-    is_final = is_one_class or least >= price or len(rows) < 2 * subproblem.problem.leaf_size
+    is_one_class = bool((subproblem.problem.samples.codes[rows] == subproblem.problem.samples.codes[rows[0]]).all())
+    is_final = is_one_class or least >= price or len(rows) < 2 * subproblem.problem.shape.leaf_size
     return Answer(Leaf(label), price, price if is_final else least)
 
 
 def _side_of(subproblem: Subproblem, samples: NDArray[np.bool_], feature: int, target: float) -> Subproblem:
     """Return the subproblem of the samples on one side of a cut: one level less, the cut's sensor paid for."""
     problem, prices = subproblem.problem, subproblem.prices
-    inside = problem.of_rows(samples, depth=problem.depth - 1, **_budget_below(problem, feature))
+    inside = problem.of_rows(samples, depth=problem.shape.depth - 1, **_budget_below(problem, feature))
     inside_prices = replace(prices, weights=prices.weights[samples], profile=prices.profile[samples])
     return Subproblem(inside, inside_prices, subproblem.rows[samples], target)
 
 
 def _budget_below(problem: Problem, feature: int) -> dict[str, Any]:
     """Return sensor costs and budget below a cut: its own sensor is free, and what is paid for it is gone."""
-    if problem.sensor_budget is None:
+    shape = problem.shape
+    if shape.sensor_budget is None:
         return {}
-    costs, sensor = problem.sensor_costs.copy(), int(problem.sensor_index[feature])
-    left = max(0.0, problem.sensor_limit - float(costs[sensor]))
+    costs, sensor = shape.sensor_costs.copy(), int(shape.sensor_index[feature])
+    left = max(0.0, shape.sensor_limit - float(costs[sensor]))
     costs[sensor] = 0.0
     return {"sensor_cost": costs, "sensor_budget": left}
 
 
 def _holds_leaf_size(problem: Problem, tree: Node) -> bool:
     """Whether every leaf of a tree holds as many samples as the problem wants."""
-    return bool(np.bincount(leaf_index(tree, problem.features), minlength=len(leaves(tree))).min() >= problem.leaf_size)
+    counts = np.bincount(leaf_index(tree, problem.samples.features), minlength=len(leaves(tree)))
+    return bool(counts.min() >= problem.shape.leaf_size)

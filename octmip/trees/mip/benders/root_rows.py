@@ -19,7 +19,7 @@ be cheaper than the best tree, the linear relaxation has the value of that tree.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,11 +75,11 @@ def root_bounds(
     report
         called while subproblems run; may raise.
     """
-    whole = Subproblem(replace(problem, max_splits=None), prices, np.arange(problem.n_samples))
+    whole = Subproblem(problem.replace(max_splits=None), prices, np.arange(problem.samples.n_samples))
     runner = Runner(Clock(Limits(), 0.0), 0, report)
     memory = Memory(prices.weights * prices.costs[prices.profile].max(axis=1))
     search = NodeSearch.of(whole, tree, runner.answer, runner.together, memory)
-    if n_subproblems > 0 and problem.depth > 1:
+    if n_subproblems > 0 and problem.shape.depth > 1:
         search.run(runner.in_turn, lambda: runner.n_subproblems >= n_subproblems)
     return Root(search.bounds, search.best, runner.n_subproblems)
 
@@ -102,7 +102,7 @@ def add_root_rows(
         ("right", bounds.right, leaves.L[half:], d[1:][~is_left]),
     ):
         rows.add(f"below_{side}", 0, np.inf, (own, 1.0), (inner, penalty), (x, -np.where(is_possible, theta, 0.0)))
-    leaf = float(bounds.prices.of_labels(np.arange(bounds.problem.n_samples)).min())
+    leaf = float(bounds.prices.of_labels(np.arange(bounds.problem.samples.n_samples)).min())
     both = np.where(is_possible, bounds.price - penalty, 0.0)
     rows.add("below_both", leaf, np.inf, (leaves.L, 1.0), (d[1:], penalty), (d[:1], leaf), (x, -both))
     return RootRows(x, bounds)

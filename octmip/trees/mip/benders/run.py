@@ -54,7 +54,7 @@ class Runner:
         """Return the best tree of a side, or the proof that its target is reached."""
         self.clock.check()
         self._poll()
-        if subproblem.problem.depth == 1:
+        if subproblem.problem.shape.depth == 1:
             with self._lock:
                 self.n_subproblems += 1
             return best_stump(subproblem)

@@ -61,7 +61,7 @@ def solve_benders(
     """
     axis.require_axis(problem, METHOD)
     clock = Clock(limits, time.perf_counter())
-    if problem.sensor_budget is not None:  # masters are linear programs, solved here; joint sides are not
+    if problem.shape.sensor_budget is not None:  # masters are linear programs, solved here; joint sides are not
         process.warm()
     tree = starting_tree(problem, incumbent, seed)
     prices = whole_prices(problem, problem.objective(tree))
@@ -70,7 +70,8 @@ def solve_benders(
     runner = Runner(clock, seed, lambda: None)
     try:
         clock.check()
-        _run(problem, Subproblem(problem, prices, np.arange(problem.n_samples)), runner, result, n_jobs, progress)
+        whole = Subproblem(problem, prices, np.arange(problem.samples.n_samples))
+        _run(problem, whole, runner, result, n_jobs, progress)
     except LimitReachedError as reached:
         result.stop = reached.stop
     except KeyboardInterrupt:
@@ -91,7 +92,7 @@ def _run(
     """Search at the root, keeping tree, bound and reason in `result` as they are found."""
     prices = subproblem.prices
     memory = Memory(prices.weights * prices.costs[prices.profile].max(axis=1))
-    if problem.depth == 1:
+    if problem.shape.depth == 1:
         answer = runner.answer(subproblem, memory)
         result.better(problem, canonicalise(problem, answer.tree))
         result.price_bound, result.stop = math.floor(answer.bound), Stop.OPTIMAL

@@ -15,7 +15,7 @@ from octmip.trees.nodes.tree import Leaf, Split
 def best_stump(subproblem: Subproblem) -> Answer:
     """Return the best tree of one split, or of none; where the target is reached, one leaf and the target's proof."""
     problem, prices = subproblem.problem, subproblem.prices
-    by_label = prices.of_labels(np.arange(problem.n_samples))
+    by_label = prices.of_labels(np.arange(problem.samples.n_samples))
     leaf = float(by_label.min())
     bounds, goal = Bounds.of_class_counts(problem, prices), min(leaf, subproblem.target)
     places = Master(bounds, leaf, goal).cheapest(bounds.price, goal, 1)

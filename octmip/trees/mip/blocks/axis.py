@@ -17,9 +17,9 @@ def require_axis(problem: Problem, method: str) -> None:
     ProblemError
         the problem asks for hyperplanes.
     """
-    if problem.split != "axis":
+    if problem.shape.split != "axis":
         raise ProblemError(
-            f"method {method!r} finds axis-aligned trees but split is {problem.split!r}; choose 'oct_h' or 'flow'"
+            f"method {method!r} finds axis-aligned trees but split is {problem.shape.split!r}; choose 'oct_h' or 'flow'"
         )
 
 
@@ -30,9 +30,10 @@ def n_cuts(ranks: Ranks) -> list[int]:
 
 def usable_features(problem: Problem, ranks: Ranks) -> list[int]:
     """Return the features that may be split on: allowed, affordable and not constant."""
-    affordable = problem.sensor_costs[problem.sensor_index] <= problem.sensor_limit
+    shape = problem.shape
+    affordable = shape.sensor_costs[shape.sensor_index] <= shape.sensor_limit
     cuts = n_cuts(ranks)
-    return [j for j in range(problem.n_features) if cuts[j] > 0 and affordable[j] and problem.is_allowed((j,))]
+    return [j for j in range(problem.samples.n_features) if cuts[j] > 0 and affordable[j] and shape.is_allowed((j,))]
 
 
 def cut_of(split: Split | HyperplaneSplit, ranks: Ranks) -> int:

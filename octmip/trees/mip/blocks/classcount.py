@@ -56,7 +56,7 @@ class ClassCount:
 
     def earned(self, weights: NDArray[np.float64], n_leaves: int) -> NDArray[np.float64]:
         """Return G_q for each row of `weights` (n, n_profiles) with q = `n_leaves`, shape (n,)."""
-        n_classes = self.problem.n_classes
+        n_classes = self.problem.samples.n_classes
         if n_leaves >= n_classes or math.comb(n_classes, n_leaves) > MOST_LABEL_SETS:
             return np.asarray(weights @ self.gain.max(axis=1))
         gain = self.gain
@@ -70,5 +70,5 @@ class ClassCount:
 
     def bound_by_cut(self, j: int) -> NDArray[np.float64]:
         """Return the class-count bound of every tree whose root makes each cut of feature j, shape (n_cuts,)."""
-        left, right = self.earned_by_side(j, 2 ** (self.problem.depth - 1))
+        left, right = self.earned_by_side(j, 2 ** (self.problem.shape.depth - 1))
         return self.worst - left - right + self.prices.penalty

@@ -70,7 +70,7 @@ def admissible_cuts(
     if level >= 1:
         better = price - 1e-9 * max(1.0, price)
         admissible[1] = {j: cuts[counts.bound_by_cut(j)[cuts] < better] for j, cuts in at_root.items()}
-        if problem.leaf_size == 1:
+        if problem.shape.leaf_size == 1:
             boundaries = {j: _boundaries(problem, ranks, j) for j in usable}
             for m in filter(heap.is_last_level, heap.branches):
                 admissible[m] = {j: np.intersect1d(admissible[m][j], boundaries[j]) for j in usable}
@@ -85,8 +85,8 @@ def admissible_cuts(
 
 def _boundaries(problem: Problem, ranks: Ranks, j: int) -> NDArray[np.int64]:
     """Return the cuts of feature j whose two neighbouring values are not all of one same class."""
-    present = np.zeros((ranks.n_values[j], problem.n_classes), dtype=bool)
-    present[ranks.column(j), problem.codes] = True
+    present = np.zeros((ranks.n_values[j], problem.samples.n_classes), dtype=bool)
+    present[ranks.column(j), problem.samples.codes] = True
     only = np.where(present.sum(axis=1) == 1, present.argmax(axis=1), -1)
     return np.flatnonzero((only[:-1] != only[1:]) | (only[:-1] < 0))
 
@@ -141,14 +141,14 @@ class _Pairs:
 
     def payable_with(self, j: int) -> NDArray[np.bool_]:
         """Return the values, shape (n_values,), of the features whose sensor the budget allows beside that of j."""
-        problem, sensor = self.problem, self.problem.sensor_index[list(self.usable)]
-        both = problem.sensor_costs[sensor] + problem.sensor_costs[problem.sensor_index[j]]
-        is_payable = (both <= problem.sensor_limit) | (sensor == problem.sensor_index[j])
+        problem, sensor = self.problem, self.problem.shape.sensor_index[list(self.usable)]
+        both = problem.shape.sensor_costs[sensor] + problem.shape.sensor_costs[problem.shape.sensor_index[j]]
+        is_payable = (both <= problem.shape.sensor_limit) | (sensor == problem.shape.sensor_index[j])
         return np.repeat(is_payable, self.sizes)
 
     def earned(self, rows: NDArray[np.bool_], payable: NDArray[np.bool_]) -> tuple[NDArray[np.float64], float]:
         """Return the earnings (n_values,) of a child with the samples `rows` by each payable cut, and their maximum."""
-        prices, n_leaves = self.counts.prices, 2 ** (self.problem.depth - 2)
+        prices, n_leaves = self.counts.prices, 2 ** (self.problem.shape.depth - 2)
         n_profiles = prices.n_profiles
         first = np.array(list(self.first.values()))[:, None]
         place = (self.ranks.ranks[list(self.usable)][:, rows].astype(np.int64) + first) * n_profiles + prices.profile[

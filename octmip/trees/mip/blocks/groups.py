@@ -43,7 +43,7 @@ def group_samples(problem: Problem, ranks: Ranks, prices: Prices) -> Groups:
     keys = np.column_stack([ranks.ranks.T.astype(np.int64), prices.profile])
     _, sample, group, size = np.unique(keys, axis=0, return_index=True, return_inverse=True, return_counts=True)
     weight = np.bincount(group.ravel(), prices.weights, len(sample))
-    if problem.leaf_size == 1:
+    if problem.shape.leaf_size == 1:
         sample, size, weight = sample[weight > 0], size[weight > 0], weight[weight > 0]
     costs = prices.costs[prices.profile[sample]]
     earning = weight[:, None] * (costs.max(axis=1, keepdims=True) - costs)

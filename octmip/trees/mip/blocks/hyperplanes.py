@@ -10,7 +10,7 @@ model with mu > 0 does not hold every tree: its bound speaks about the mu-separa
     1e-4, which is a hundred times what HiGHS may be off (feasibility + 2 integrality) at tolerance 1e-7 and finer.
 Features of extreme size are first multiplied by a power of two, which is exact, so that no range overflows; a split
 whose coefficients on the problem's own features are beyond float64 cannot be made into a tree and is not read.
-Integer normals (`Problem.integer_normals` = M): a_jm whole, |a_jm| <= M. When all features are decimal numbers of few
+Integer normals (`Shape.integer_normals` = M): a_jm whole, |a_jm| <= M. When all features are decimal numbers of few
 digits, scaling by a power of ten makes a'x whole; then mu = 1 loses nothing and the bound speaks about every tree.
 """
 
@@ -114,24 +114,25 @@ def space_of(problem: Problem, *, centred: bool = True) -> Space:
     centred
         real normals: features in [-1/2, 1/2], which halves the big M; False: in [0, 1], as printed.
     """
-    exponent = _extreme_exponents(problem.features)
-    if problem.integer_normals is not None:
+    shape = problem.shape
+    exponent = _extreme_exponents(problem.samples.features)
+    if shape.integer_normals is not None:
         exponent = np.full_like(exponent, exponent.max())
-    features = np.ldexp(problem.features, -exponent)
+    features = np.ldexp(problem.samples.features, -exponent)
     low, high = features.min(axis=0), features.max(axis=0)
-    if problem.integer_normals is None:
+    if shape.integer_normals is None:
         scale = np.divide(1.0, high - low, out=np.zeros_like(low), where=high > low)
         shift = low / 2 + high / 2 if centred else low
         reach = 0.5 if centred else 1.0
         return Space((features - shift) * scale, shift, scale, exponent, 1.0, False, reach, False)
-    largest = float(problem.integer_normals)
+    largest = float(shape.integer_normals)
     digits = None if exponent.any() else _decimal_digits(features)
-    widest = np.sort(high - low)[::-1][: problem.max_split_size].sum()
+    widest = np.sort(high - low)[::-1][: shape.max_split_size].sum()
     if digits is not None and largest * widest * 10.0**digits <= LARGEST_REACH:
         whole = np.round(features * 10.0**digits)
         shift = np.floor((whole.min(axis=0) + whole.max(axis=0)) / 2)
         x = whole - shift
-        reach = largest * float(np.sort(np.abs(x).max(axis=0))[::-1][: problem.max_split_size].sum())
+        reach = largest * float(np.sort(np.abs(x).max(axis=0))[::-1][: shape.max_split_size].sum())
         return Space(
             x, shift / 10.0**digits, np.full(len(low), 10.0**digits), exponent, largest, True, max(reach, 1.0), True
         )
@@ -188,7 +189,7 @@ class Hyperplanes:
 
     def feature_columns(self, m: int) -> dict[int, int]:
         """Return, by feature, the column that is 1 when node m reads it."""
-        return {j: int(self.s[j, m - 1]) for j in range(self.problem.n_features)}
+        return {j: int(self.s[j, m - 1]) for j in range(self.problem.samples.n_features)}
 
     def set(self, values: NDArray[np.float64], placed: Placed, bands: Mapping[int, Band]) -> bool:
         """Write the splits of a tree into `values`; False when one has no band of mu.
@@ -206,8 +207,8 @@ class Hyperplanes:
             if self.a_hat is not None:
                 values[self.a_hat[:, t]] = np.abs(normal)
             if self.group is not None:
-                assert self.problem.allowed_splits is not None
-                groups = self.problem.allowed_splits
+                assert self.problem.shape.allowed_splits is not None
+                groups = self.problem.shape.allowed_splits
                 values[self.group[[set(split.features) <= set(g) for g in groups].index(True), t]] = 1
         return True
 
@@ -224,7 +225,8 @@ class Hyperplanes:
                     found[t + 1] = split
             elif values[self.d[t]] > 0.5 and middle > 0:  # 0'x < b: a split that sends everything left
                 j = int(values[self.s[:, t]].argmax())
-                found[t + 1] = HyperplaneSplit((j,), (1.0,), float(self.problem.features[:, j].max()), Leaf(0), Leaf(0))
+                offset = float(self.problem.samples.features[:, j].max())
+                found[t + 1] = HyperplaneSplit((j,), (1.0,), offset, Leaf(0), Leaf(0))
         return found
 
 
@@ -249,10 +251,10 @@ def split_at(problem: Problem, space: Space, normal: NDArray[np.float64], middle
     is_left = space.x @ normal < middle
     for digits in DIGITS:  # as few as part the samples alike: people read them
         coefficients = np.array([float(f"{coefficient:.{digits}g}") for coefficient in on_own[features]])
-        totals = np.zeros(problem.n_samples)
+        totals = np.zeros(problem.samples.n_samples)
         with np.errstate(over="ignore", invalid="ignore"):
             for j, coefficient in zip(features, coefficients, strict=True):  # in the order of `tree.goes_left`
-                totals += coefficient * problem.features[:, j]
+                totals += coefficient * problem.samples.features[:, j]
         if is_left.all() or not is_left.any() or totals[is_left].max() < totals[~is_left].min():
             break
     if not np.isfinite(totals).all():
@@ -289,7 +291,7 @@ def add_hyperplanes(
     penalty: float,
 ) -> Hyperplanes:
     """Add the columns of hyperplane splits and all rows on them but the samples'."""
-    features, branches = range(problem.n_features), heap.branches
+    features, branches = range(problem.samples.n_features), heap.branches
     usable = np.array(usable_features(problem))[:, None]
     largest = usable * space.coefficient
     a = rows.columns("a", (features, branches), -largest, largest, integer=space.is_integer)
@@ -312,8 +314,8 @@ def add_hyperplanes(
     if len(branches) > 1:
         parent = np.array([m // 2 - 1 for m in branches[1:]])
         rows.add("parent_splits", -np.inf, 0, (d[1:, None], 1.0), (d[parent][:, None], -1.0))
-    if problem.max_split_size < problem.n_features:
-        rows.add("split_size", -np.inf, 0, (s.T, 1.0), (d[:, None], -float(problem.max_split_size)))
+    if problem.shape.max_split_size < problem.samples.n_features:
+        rows.add("split_size", -np.inf, 0, (s.T, 1.0), (d[:, None], -float(problem.shape.max_split_size)))
     if max_splits is not None:
         rows.add("max_splits", -np.inf, max_splits, (s.reshape(1, -1), 1.0))
     group = _add_groups(rows, problem, heap, s, d)
@@ -322,18 +324,21 @@ def add_hyperplanes(
 
 def usable_features(problem: Problem) -> list[bool]:
     """Return whether a split may read each feature: not constant, affordable, in some group of allowed_splits."""
-    varies = problem.features.min(axis=0) < problem.features.max(axis=0)
-    affordable = problem.sensor_costs[problem.sensor_index] <= problem.sensor_limit
-    return [bool(varies[j] and affordable[j] and problem.is_allowed((j,))) for j in range(problem.n_features)]
+    shape = problem.shape
+    varies = problem.samples.features.min(axis=0) < problem.samples.features.max(axis=0)
+    affordable = shape.sensor_costs[shape.sensor_index] <= shape.sensor_limit
+    return [bool(varies[j] and affordable[j] and shape.is_allowed((j,))) for j in range(problem.samples.n_features)]
 
 
 def _add_groups(rows: Rows, problem: Problem, heap: Heap, s: Columns, d: Columns) -> Columns | None:
     """Add that a node reads features of one group of allowed_splits only: s_jm <= sum of g_qm over groups q with j."""
-    if problem.allowed_splits is None:
+    if problem.shape.allowed_splits is None:
         return None
-    group = rows.columns("group", (range(len(problem.allowed_splits)), heap.branches), integer=True)
+    group = rows.columns("group", (range(len(problem.shape.allowed_splits)), heap.branches), integer=True)
     rows.add("one_group", 0, 0, (group.T, 1.0), (d[:, None], -1.0))
-    member = np.array([[j in g for g in problem.allowed_splits] for j in range(problem.n_features)], dtype=float)
+    member = np.array(
+        [[j in g for g in problem.shape.allowed_splits] for j in range(problem.samples.n_features)], dtype=float
+    )
     for t in range(s.shape[1]):
         rows.add("read_in_group", -np.inf, 0, (s[:, [t]], 1.0), (group[:, t][None, :], -member))
     return group

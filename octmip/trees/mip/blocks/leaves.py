@@ -42,7 +42,7 @@ class Leaves:
 
 def add_leaves(rows: Rows, problem: Problem, heap: Heap, prices: Prices) -> Leaves:
     """Add the leaves' columns and rows, eq. 6-8, 15-16, 18, 20-22, and return the columns."""
-    samples, leaves, classes = range(problem.n_samples), heap.leaves, range(problem.n_classes)
+    samples, leaves, classes = range(problem.samples.n_samples), heap.leaves, range(problem.samples.n_classes)
     z = rows.columns("z", (samples, leaves), integer=True)
     l = rows.columns("l", (leaves,), integer=True)  # noqa: E741
     c = rows.columns("c", (classes, leaves), integer=True)
@@ -52,7 +52,7 @@ def add_leaves(rows: Rows, problem: Problem, heap: Heap, prices: Prices) -> Leav
     L = rows.columns("L", (leaves,), upper=np.inf, cost=1.0)
     rows.add("one_leaf", 1, 1, (z, 1.0))
     rows.add("leaf_used", -np.inf, 0, (z.reshape(-1, 1), 1.0), (np.tile(l, len(z))[:, None], -1.0))
-    rows.add("leaf_size", 0, np.inf, (z.T, 1.0), (l[:, None], -float(problem.leaf_size)))
+    rows.add("leaf_size", 0, np.inf, (z.T, 1.0), (l[:, None], -float(problem.shape.leaf_size)))
     rows.add("one_class", 0, 0, (c.T, 1.0), (l[:, None], -1.0))
     rows.add("leaf_weight", 0, 0, (N_t[:, None], 1.0), (z.T, -prices.weights))
     for r in profiles:

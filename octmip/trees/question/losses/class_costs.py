@@ -31,7 +31,7 @@ class ClassCosts(Loss):
     ----------
     costs
         (n_classes, n_classes) cost, 0 or more, of predicting column k for a sample of class row i, in the order of
-        `Problem.class_names`; None: 0 for the own class and 1 for any other. In a Problem it is always the matrix.
+        `Samples.class_names`; None: 0 for the own class and 1 for any other. In a Problem it is always the matrix.
     per_sample
         whether the rows are the samples instead, (n_samples, n_classes): the classes are decisions, and the targets
         only say which of them counts as right.

@@ -1,7 +1,7 @@
 """Loss: what a Problem asks of a loss, whichever it is.
 
 Arrays of a problem's samples: `weights` (n_samples,) float64, `codes` (n_samples,) the targets as the loss reads them
-(of classes the index of each in `Problem.class_names`, of numbers the numbers), `predicted` (n_samples,) of the same
+(of classes the index of each in `Samples.class_names`, of numbers the numbers), `predicted` (n_samples,) of the same
 kind. Nothing here knows a tree: a leaf is the value that it predicts.
 """
 
