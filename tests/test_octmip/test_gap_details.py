@@ -159,6 +159,20 @@ def test_cells_halves_and_what_is_left_are_as_defined(seed):
         assert np.array_equal(getattr(left, name), values[kept], equal_nan=True)
 
 
+def test_a_gauge_without_a_reading_has_no_mean_and_a_candidate_bears_its_place():
+    campaign = measured(1, repeats=3)
+    readings = campaign.readings.copy()
+    readings[:3, 4] = np.nan
+    means = [cell.mean for cell in replace(campaign, readings=readings).cells]
+    assert np.argwhere(np.isnan(means)).tolist() == [[0, 4]]
+    names = [
+        one.words
+        for one in prepare(campaign, Beam(), {"dead": DEAD_GAUGE, **own_effects()}, noise_sd=3.0)[0].candidates
+    ]
+    assert names[:2] == ["dead_gauge (g01)", "dead_gauge (g02)"]
+    assert names[20] == "modulus"
+
+
 def test_the_typical_reading_of_a_unit_is_a_root_mean_square():
     campaign = measured(1, repeats=4)
     own = {name: np.where(k < 5, 2.0, 1.0) for k, name in enumerate(campaign.gauges)}
