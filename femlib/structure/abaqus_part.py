@@ -13,6 +13,8 @@ from femlib.structure.file_mesh import FileMesh, masks
 
 FARTHEST = 1e12
 """Coordinate in the file's unit, at most."""
+SHORTEST = 1e-100
+"""Distance of two points that a line goes through, at least; the square of a shorter one may be zero."""
 MOST_GENERATED = 10_000_000
 """Nodes, elements or numbers that one card may generate."""
 
@@ -60,7 +62,10 @@ def motion(rows: Sequence[Sequence[str]]) -> Callable[[tuple[float, ...]], Float
     if len(numbers) < 2:
         return lambda place: np.array(place) + shift
     start, end, angle = np.array(numbers[1][:3]), np.array(numbers[1][3:6]), np.radians(numbers[1][6])
-    axis = (end - start) / np.linalg.norm(end - start)
+    length = float(np.linalg.norm(end - start))
+    if length < SHORTEST:
+        raise ValueError(f"it is turned about a line through one point, {start.tolist()}; expected two")
+    axis = (end - start) / length
     cross = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
     turn = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
     return lambda place: start + turn @ (np.array(place) + shift - start)

@@ -185,9 +185,10 @@ def _once(file: FileMesh) -> FileMesh:
 
 
 def _unreadable(path: Path, kind: str, reason: str) -> InputError:
+    options = ", of gmsh without Mesh.SaveAll, Mesh.SaveParametric and partitions," if kind == "gmsh" else ""
     return InputError(
         f"{path} could not be read as {kind} ({' '.join(reason.split())[:120]}); "
-        "expected a whole mesh file of that format; write it again or correct its ending"
+        f"expected a whole mesh file of that format; write it again{options} or correct its ending"
     )
 
 

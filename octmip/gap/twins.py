@@ -190,7 +190,7 @@ class CachedTwin(TwinAround):
             yield
         except OctmipError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # a program's own exit is no answer
             of = ", ".join(f"{name} {value:g}" for name, value in state.items() if value) or "the healthy state"
             at = f" at {load_words(self.loads, load)}" if self.loads else ""
             raise TwinError(

@@ -2,7 +2,7 @@
 
 import csv
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from decimal import Decimal
 from typing import Any
 
@@ -148,3 +148,15 @@ def plain_number(cell: str) -> float | None:
     except ValueError:
         found = FORTRAN.fullmatch(cell)
         return None if found is None else float(f"{found[1]}e{found[2] or found[3]}")
+
+
+def text_by_number(texts: Sequence[str], *, are_truths: bool) -> dict[float | None, str]:
+    """Return texts by the number that each says, the first of equal ones; with `are_truths` by 1 for true, 0 for false.
+
+    A part of a table may hold nothing but numbers in a column of texts, or true and false alone, and then a reader
+    takes them for what they say.
+    """
+    if are_truths:
+        said = {text.lower(): text for text in reversed(texts)}
+        return {float(word == "true"): said.get(word, word) for word in ("false", "true")}
+    return {plain_number(text): text for text in reversed(texts)}

@@ -1,8 +1,8 @@
 """Readings as other libraries hold them, as numbers in the order of their names: NaN where one is missing.
 
 Columns with names are matched by name, in whatever order they stand: those of data frames (pandas, polars), Arrow
-tables, mappings, xarray datasets, structured arrays, and of a series with one value for each name. Arrays and lists
-have no names, and are taken in the order of the names. A mask, None and NA are missing values.
+tables, mappings, named tuples, xarray datasets, structured arrays, and of a series with one value for each name.
+Arrays and lists have no names, and are taken in the order of the names. A mask, None and NA are missing values.
 """
 
 from collections.abc import Mapping, Sequence
@@ -69,6 +69,8 @@ def columns_of(given: Any) -> dict[str, Any] | None:
     """
     if hasattr(given, "collect") and hasattr(given, "lazy"):
         raise DataError(f"a {type(given).__name__} is a query without rows yet; expected a table; collect() it first")
+    if hasattr(given, "_asdict"):  # a tuple with names
+        given = given._asdict()
     if isinstance(given, Mapping):
         names: Sequence[Any] = list(given)
     elif getattr(getattr(given, "dtype", None), "names", None):
@@ -88,6 +90,12 @@ def columns_of(given: Any) -> dict[str, Any] | None:
     if twice:
         raise DataError(f"column {twice[0]!r} stands {names.count(twice[0])} times; expected once; drop all but one")
     return {str(name): given[name] for name in names}
+
+
+def as_mapping(given: Any) -> Any:
+    """Return the values of a series that names them as a mapping; others as they are."""
+    is_named = not isinstance(given, Mapping) and hasattr(given, "index") and columns_of(given) is not None
+    return columns_of(given) if is_named else given
 
 
 def _refuse_quantity(given: Any, what: str) -> None:
@@ -141,7 +149,7 @@ def numbers_in(given: Any, what: str) -> Floats:
         plain = np.array([np.nan if _is_missing(value) else value for value in plain.ravel()], dtype=object)
     try:
         found = plain.astype(np.float64).reshape(array.shape)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise DataError(f"{what}: values that are no numbers ({error}); expected numbers, NaN if missing") from error
     found[mask] = np.nan
     return found

@@ -8,6 +8,7 @@ library where its loads stand in that ratio. Of a twin without loads it is 1.
 """
 
 import itertools
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError, ProblemError, TwinError
+from octmip.input.named_arrays import as_mapping, by_name, numbers_in
 from octmip.twin import Load, Loads, Twin, amounts_of, load_of, load_words, loads_of, predict_states
 
 Floats = NDArray[np.float64]
@@ -147,6 +149,9 @@ class Library:
         """
         if isinstance(load_factor, Mapping):
             load_factor = self._multiple(load_factor)
+        elif not isinstance(load_factor, float | int):
+            given = numbers_in(load_factor, "load_factor").ravel()
+            load_factor = float(given[0]) if len(given) == 1 else math.nan
         if not 0.0 < load_factor < np.inf:
             raise DataError(f"load_factor is {load_factor}; expected a positive number, 1 in steady level flight")
         if self.only_load is not None and load_factor != self.only_load:
@@ -162,7 +167,7 @@ class Library:
         if own is None or set(own) != set(loads):
             expected = "one number, the load factor" if own is None else f"the loads {list(own)}"
             raise DataError(f"the loads are {dict(loads)}; expected {expected}, as the library's twin has; give these")
-        given, reference = np.array([loads[name] for name in own], dtype=np.float64), np.array(own.amounts)
+        given, reference = numbers_in([loads[name] for name in own], "the loads"), np.array(own.amounts)
         factor = float(given @ reference / (reference @ reference)) if len(own) else 1.0
         if not np.allclose(given, factor * reference, rtol=0.0, atol=RATIO * float(np.abs(given).max(initial=0.0))):
             raise DataError(
@@ -201,7 +206,7 @@ def grid_states(levels: Sequence[Sequence[float]]) -> Floats:
 def library_of(
     twin: Twin,
     states: Floats,
-    noise_sd: float | Sequence[float],
+    noise_sd: float | Sequence[float] | Mapping[str, float],
     *,
     gauges: Sequence[str] | None = None,
     widths: Sequence[float] = (),
@@ -243,6 +248,7 @@ def library_of(
     def ask(at: Floats) -> Floats:
         return np.asarray(predict_states(twin, at, load)[:, columns] / factor)
 
+    named = as_mapping(noise_sd)
     is_linear = bool(getattr(twin, "is_linear_in_load", False)) or not loads_of(twin)
     if is_linear and loads_of(twin):
         _refuse_bent(twin, states[:1], load)
@@ -251,7 +257,9 @@ def library_of(
         states,
         names,
         ask(states),
-        np.asarray(noise_sd, dtype=np.float64),
+        by_name(named, names, "noise_sd")[0][0]
+        if isinstance(named, Mapping)
+        else np.asarray(noise_sd, dtype=np.float64),
         np.array(widths, dtype=np.float64),
         _slopes(ask, states, widths, len(names)),
         None if is_linear else factor,

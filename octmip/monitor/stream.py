@@ -1,8 +1,9 @@
 """A stream of readings: one result for each, no memory but the belief, and no bad reading that ends it.
 
-A reading is refused, with a sentence, when it holds NaN or infinity, has another length, names an unknown gauge, or has
-a load factor that is no positive number. A gauge that gave nothing is left out of the mapping (or None):
-with a filter the reading is used without it, without one it is refused where the tree asks for it.
+A reading is refused, with a sentence, when it holds NaN, infinity or a number beyond `MOST`, has another length, names
+an unknown gauge, or has a load factor that is no positive number. A gauge that gave nothing is left out of the mapping
+(or None, NA, an empty text): with a filter the reading is used without it, without one it is refused where the tree
+asks for it.
 """
 
 import math
@@ -12,7 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from octmip.errors import DataError, OctmipError
-from octmip.input.named_arrays import by_name
+from octmip.input.messages import shown
+from octmip.input.named_arrays import by_name, numbers_in
 from octmip.monitor.belief import Belief
 from octmip.monitor.filter import Filter
 from octmip.monitor.finding import Finding, explain
@@ -25,6 +27,12 @@ from octmip.monitor.watch import MonitorState, Watch
 Values = Sequence[float | None] | Mapping[str, float | None]
 Reading = tuple[Applied, Values]
 """Load factor or loads by name, and readings: by gauge name, or one for each gauge in the library's order."""
+
+
+MOST = 1e100
+"""No reading is so large, but the largest double is what some programs write for none; its square has no place."""
+PLAIN = frozenset({float, np.float64, type(None)})
+"""Types of values that are taken as they are."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,8 +115,9 @@ class Monitor:
         belief = None if self.filter is None else self.filter.start(1, self.start_state)
         monitor_state = None if self.watch is None else self.watch.start(1)
         faulty: set[int] = set()  # gauges that the watch has named; they are done without from then on
-        for number, (load_factor, values) in enumerate(readings):
+        for number, reading in enumerate(readings):
             try:
+                load_factor, values = _parts(reading)
                 if belief is None and monitor_state is None:
                     yield Result(number, self._select(self._row(values, False), load_factor))
                     continue
@@ -129,7 +138,7 @@ class Monitor:
             unknown = values.keys() - index.keys()
             if unknown:
                 raise DataError(
-                    f"reading names the gauges {', '.join(sorted(unknown))}, which the library lacks; it has "
+                    f"reading names the gauges {', '.join(sorted(map(str, unknown)))}, which the library lacks; it has "
                     f"{', '.join(index)}"
                 )
             row = [values.get(gauge) for gauge in index]
@@ -142,12 +151,14 @@ class Monitor:
                 raise DataError(
                     f"reading has {len(row)} values; expected {len(index)}, one for each of {', '.join(index)}"
                 )
-        if None not in row and math.isfinite(math.fsum(row)):  # type: ignore[arg-type]
+        if not set(map(type, row)) <= PLAIN:
+            row = [None if value is None else _number(gauge, value) for gauge, value in zip(index, row, strict=True)]
+        if all(value is not None and -MOST < value < MOST for value in row):  # NaN is not
             return row  # type: ignore[return-value]
         for gauge, value in zip(index, row, strict=True):
             if value is None and not may_lack:
                 raise DataError(f"reading lacks gauge {gauge}; give a number, or use a filter, which can do without it")
-            if value is not None and not math.isfinite(value):
+            if value is not None and not -MOST < value < MOST:
                 raise DataError(f"reading of gauge {gauge} is {value}; expected microstrain; leave it out if unknown")
         return [math.nan if value is None else value for value in row]
 
@@ -191,3 +202,32 @@ class Monitor:
             return 0
         told = self.selector.library.states[state]
         return int(np.abs(self.watch.library.states - told).sum(axis=1).argmin())
+
+
+def _parts(reading: object) -> Reading:
+    """Return the load and the values of what a stream holds.
+
+    Raises
+    ------
+    DataError
+        it holds something else.
+    """
+    if not isinstance(reading, tuple | list) or len(reading) != 2:
+        raise DataError(f"reading is {shown(reading)}; expected a pair of load and values; give both")
+    return reading[0], reading[1]
+
+
+def _number(gauge: str, value: object) -> float | None:
+    """Return what a gauge gave, None where it is an empty text or the NA of pandas.
+
+    Raises
+    ------
+    DataError
+        it is no number.
+    """
+    if type(value).__name__ == "NAType" or (isinstance(value, str) and not value.strip()):
+        return None
+    found = numbers_in(value, f"reading of gauge {gauge}")
+    if found.ndim:
+        raise DataError(f"reading of gauge {gauge} is {shown(value)}; expected one number; give one")
+    return float(found)

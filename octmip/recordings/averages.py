@@ -114,10 +114,11 @@ def averages_of(
         windows, how = steady_windows(still, least, tolerance)
         told += how
     gauges, fixed = [name for name in twin.gauges if name in channels], [*numbers, *fixed_names(twin)]
+    for window in windows:
+        refuse_placeholders(channels, window)
     statistics = tuple({name: statistic_of(one, window) for name, one in channels.items()} for window in windows)
     for window, found in zip(windows, statistics, strict=True):
         refuse_bare(channels, found, window, gauges)
-        refuse_placeholders(channels, window)
     length = _row_length(windows, statistics, gauges)
     tests = _tests(recording, windows, test)
     rows = pd.concat(

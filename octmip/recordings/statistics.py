@@ -11,6 +11,8 @@ from octmip.recordings.windows import Window
 
 FAR = 50.0
 """Standard deviations, as the median deviation gives them, from which equal numbers are no readings of noise."""
+HUGE = 1e30
+"""No reading in any unit is so large, but 9.9e37 and the largest double are what instruments write for none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +60,7 @@ def statistic_of(channel: Channel, window: Window) -> Statistic:
 
 
 def refuse_placeholders(channels: Mapping[str, Channel], window: Window) -> None:
-    """Refuse equal numbers that stand far off all other samples of a window: a logger's word for no reading."""
+    """Refuse equal numbers far off all other samples of a window, or a huge one: a logger's word for no reading."""
     for name, channel in channels.items():
         inside = inside_of(channel, window.start, window.end)
         values = inside[np.isfinite(inside)]
@@ -66,12 +68,15 @@ def refuse_placeholders(channels: Mapping[str, Channel], window: Window) -> None
         spread = 1.4826 * float(np.median(np.abs(values - middle))) if values.size else 0.0
         far = values[np.abs(values - middle) > FAR * spread] if spread > 0.0 else values[:0]
         numbers, count = np.unique(far, return_counts=True)
-        if 0 < numbers.size <= 2 and count.max() > 1:
-            number = float(numbers[count.argmax()])
+        is_huge = np.abs(numbers) > HUGE
+        if is_huge.any():
+            numbers, count = numbers[is_huge], count[is_huge]
+        if is_huge.any() or (0 < numbers.size <= 2 and count.max() > 1):
+            number, n = float(numbers[count.argmax()]), int(count.max())
             raise DataError(
-                f"channel {channel.name} holds {number:.9g} {count.max()} times from {window.start:.6g} s to "
-                f"{window.end:.6g} s, where {name} is about {middle:.6g}; expected readings; name it by "
-                f"--no-reading {number:.9g} if it stands for none, else leave the window out"
+                f"channel {channel.name} holds {number:.9g} {n} time{'s' * (n > 1)} from {window.start:.6g} s to "
+                f"{window.end:.6g} s, where {name} is about {middle:.6g}; expected readings; name it by --no-reading "
+                f"{number:.9g} if it stands for none, else leave the window out"
             )
 
 

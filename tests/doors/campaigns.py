@@ -1,5 +1,7 @@
 """Campaigns of displays and loggers, and readings as other libraries hold them, at the door of the diagnosis."""
 
+import json
+from collections import namedtuple
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -8,6 +10,7 @@ import numpy as np
 import pytest
 
 from octmip.gap import Recorded, diagnose, function_twin, gathered
+from octmip.gap.doors import table_twin
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from tests.doors.row import Refused, Row
 
@@ -132,6 +135,11 @@ def readings(blocks: Blocks) -> bool:
 ARRAYS: dict[str, tuple[str, Callable[[np.ndarray], Any], Any]] = {
     "a mask over -1": ("numpy", _masked, True),
     "fields in another order": ("numpy", _structured, True),
+    "a named tuple in another order": (
+        "Python",
+        lambda values: namedtuple("Row", NAMES[::-1])(*values.T[::-1]),
+        True,
+    ),
     "rows of masked arrays": ("numpy", lambda values: list(_masked(values)), True),
     "columns in another order, NA and a date": ("pandas", _pandas, True),
     "columns in reverse": ("polars", _polars, True),
@@ -141,7 +149,32 @@ ARRAYS: dict[str, tuple[str, Callable[[np.ndarray], Any], Any]] = {
     "decimal commas": ("numpy", lambda values: np.char.replace(values.astype(str), ".", ","), Refused(("no numbers",))),
 }
 
+
+def _model(units: str, cell: str = "{:g}") -> Callable[[Path], Path]:
+    """Return what writes a model's table: a row of units under its names, and its cells."""
+
+    def make(folder: Path) -> Path:
+        rows = [(k, f, f / k) for k in (70.0, 100.0, 130.0) for f in (0.0, 60.0)]
+        lines = ["stiffness,force,tip", units, *(f"{k:g},{f:g},{cell.format(tip)}" for k, f, tip in rows)]
+        (folder / "beam.csv").write_text("\n".join(lines))
+        card = {"readings": {"tip": "mm"}, "loads": ["force"], "parameters": {"stiffness": [100, 70, 130, "N/mm"]}}
+        (folder / "beam.csv.json").write_text(json.dumps(card))
+        return folder / "beam.csv"
+
+    return make
+
+
+def at_60_n(path: Path) -> float:
+    return round(float(table_twin(path).predict({}, 60.0)[0]), 9)
+
+
+MODELS = {
+    "the units of its card": (_model("N/mm,N,mm"), 0.6),
+    "another unit than its card": (_model("N/mm,N,m"), Refused(("column 'tip' is in 'm'; expected 'mm'", "convert"))),
+    "a unit in every cell": (_model("N/mm,N,", "{:g} cm"), Refused(("'0 cm' is no number, and a model holds",))),
+}
 ROWS = [
+    *(Row("table_twin", "a solver", case, make, at_60_n, right) for case, (make, right) in MODELS.items()),
     *(Row("diagnose", writer, case, _in(blocks), told, right) for case, (writer, blocks, right) in DISPLAYS.items()),
     *(Row("Recorded", writer, case, _with(make), readings, right) for case, (writer, make, right) in ARRAYS.items()),
     Row(

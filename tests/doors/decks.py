@@ -187,7 +187,7 @@ def element(name: str) -> str:
     return f"{nodes}*ELEMENT, TYPE={name}, ELSET=SKIN\n1, {', '.join(str(k + 1) for k in range(n))}\n"
 
 
-VERSIONS = {"a1.msh": 1.0, "a40.msh": 4.0, "a4.msh": 4.1}
+VERSIONS = {"a1.msh": 1.0, "a40.msh": 4.0, "a4.msh": 4.1, "all.msh": 4.1}
 
 
 def gmsh_file(name: str, order: int = 1, is_long: bool = False) -> Callable[[Path], Path]:
@@ -198,6 +198,7 @@ def gmsh_file(name: str, order: int = 1, is_long: bool = False) -> Callable[[Pat
         gmsh.initialize(interruptible=False)
         wanted = {"General.Terminal": 0, "Mesh.MeshSizeMin": 9, "Mesh.MeshSizeMax": 9, "Mesh.ElementOrder": order}
         wanted |= {"Mesh.BdfFieldFormat": 2 if is_long else 1, "Mesh.MshFileVersion": VERSIONS.get(name, 2.2)}
+        wanted |= {"Mesh.SaveAll": name == "all.msh"}
         for option, value in wanted.items():
             gmsh.option.setNumber(option, value)
         for x in (0, 1):
@@ -307,6 +308,9 @@ ROWS = [
     Row(DOOR, "Abaqus/CAE, kept", "two instances of a part", written("a.inp", INSTANCES), read,
         answer((8, 2, 0, 0), 2.0,
                {"right": 1, "Set-1": 2, "Plate-1.Set-1": 1, "Plate-2.Set-1": 1, "nodes root": 3})),
+    Row(DOOR, "Abaqus/CAE, mangled", "an instance turned about a point",
+        written("a.inp", INSTANCES.replace("0., 1., 90.", "0., 1e-200, 90.")), read,
+        Refused(("turned about a line through one point, [2.0, 0.0, 0.0]",))),
     Row(DOOR, "Abaqus's guide", "a node that is not there", written("a.inp", NODES + SHELLS.replace("6,5", "9,5")),
         read,
         Refused(("element 2", "[2, 3, 9, 5]"))),
@@ -334,6 +338,8 @@ ROWS = [
             Refused((f"is MSH {version};", "expected MSH 4.1 or 2.2", "Mesh.MshFileVersion")))
         for name, version in (("a1.msh", 1), ("a40.msh", 4))
     ),
+    Row(DOOR, "gmsh 4.15", "elements without a group saved too", gmsh_file("all.msh"), read,
+        Refused(("could not be read as gmsh", "without Mesh.SaveAll"))),
     Row(DOOR, "gmsh 4.15, kept", "nine nodes", written("a.bdf", NINE), read,
         answer((4, 1, 0, 0), 4.0, {"property:1": 1})),
     Row(DOOR, "gmsh 4.15", "short fields", gmsh_file("a.bdf"), read,

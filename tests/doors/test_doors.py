@@ -22,6 +22,7 @@ TABLES: tuple[str, ...] = (
     "exports",
     "frames",
     "large_integers",
+    "later_tables",
     "models",
     "texts",
 )

@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from benchmarks.recordings import BEAM, CARD, START, UNITS, write_tdms
@@ -105,6 +106,7 @@ def test_one_command_tells_of_a_recording_what_the_table_of_the_same_truth_tells
         ("run.tdms --windows 1,4 3,5", "windows 1,4 and 3,5 overlap; expected each sample in one window"),
         ("run.csv --least 3", "--least is for a recording, and run.csv is a table"),
         ("far.tdms --steady", "channel Beam/g2 holds -9999 40 times from"),
+        ("huge.tdms --steady", "channel Beam/g2 holds 1.79769313e+308 1 time from"),
         ("run.tdms --windows 1,4 --commissioning run.tdms", "--windows are those of run.tdms"),
     ],
 )
@@ -112,9 +114,11 @@ def test_what_is_wrong_is_one_sentence(words, said, at, capsys, monkeypatch):
     series = truth()
     if "far" in words:
         series["g2"][300:340] = -9999.0
+    if "huge" in words:
+        series["g2"][300] = np.finfo(float).max
     if "volts" in words:
         monkeypatch.setattr("benchmarks.recordings.UNITS", {**UNITS, "g1": "V"})
-    if words.startswith(("far", "volts")):
+    if words.startswith(("far", "huge", "volts")):
         write_tdms(Path(words.split()[0]), series)
     assert main(["diagnose", *words.split(), *SHORT]) == 2
     error = capsys.readouterr().err
@@ -128,6 +132,20 @@ def test_a_number_of_the_logger_for_no_reading_is_missing(at, twin):
     write_tdms(at / "far.tdms", series)
     found = averages_of(recording("far.tdms"), twin, no_reading=[-9999.0])
     assert any("g2: 70 of 4040 samples are invalid and left out" in note for note in found.table.notes)
+
+
+@pytest.mark.parametrize("form", ["parquet", "csv"])
+@pytest.mark.parametrize("name", ["time", None])
+def test_times_in_the_index_of_pandas_are_times(form, name, at, twin):
+    series = truth()
+    plain = pd.DataFrame(series)
+    plain.to_csv("plain.csv", index=False)
+    instants = pd.Timestamp("2026-11-29") + pd.to_timedelta(plain["time"], unit="s").dt.round("ms")
+    frame = plain.drop(columns="time").set_index(pd.Index(instants, name=name))
+    frame.to_csv("run.csv") if form == "csv" else frame.to_parquet("run.parquet")
+    tables = (averages_of(recording(file), twin).table.frame for file in (f"run.{form}", "plain.csv"))
+    found, right = (table.drop(columns="test") for table in tables)
+    pd.testing.assert_frame_equal(found, right, rtol=1e-9)
 
 
 def test_channels_of_two_rates_are_averaged_each_at_its_own(at, twin):

@@ -261,6 +261,23 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
     ("MySQL 8, kept", "a box of bars, and words below it"): kept(BOX),
     ("Excel, kept", "decimal commas in quotes"): kept(_numbers('"{}"', ",", ".", ",")),
     ("Excel, kept", "groups of digits and decimal commas"): kept(_numbers("{}", ".", ",", ";")),
+    ("a logger, kept", "a separator at the ends of rows alone"): kept(
+        text().replace("\n", ",\n").replace(",\n", "\n", 1)
+    ),
+    ("a logger, kept", "blanks at the ends of cells"): kept(text().replace("low\n", "low \n", 3).replace(",", " , ")),
+    ("psql, kept", "columns aligned, the number of rows below"): kept(
+        text("|").replace("|", " | ").replace("\n", "\n---+---+---+---+---\n", 1).replace("\nt", "\n t")
+        + "(24 rows)\n\n"
+    ),
+    ("Graphtec GL840, kept", "settings above, NO. and Time among the units"): kept(
+        lines(
+            "Vendor,GRAPHTEC Corporation",
+            "CH,Signal name,Input,Range,Filter,Span",
+            'CH1,"force",DC,20mV,Off,2.0,0.0,N',
+            "Data",
+            units="NO.,N,microstrain,um/m,Time",
+        )
+    ),
     ("LibreOffice, kept", "Swiss groups of digits"): kept(_numbers("{}", "'", ".", ";")),
 }
 ROWS = [
@@ -304,6 +321,13 @@ REFUSED = {
     "two separators": (text().replace("\n", "\n", 1) + text(";").split("\n", 1)[1], ("between semicolons",)),
     "a character of zero": (text().replace("t1", "t1\0", 1), ("line 10 holds a NUL", "write the file again")),
     "an archive under the name of a text": ("PK\x03\x04" + "\x01" * 40, ("is an archive", "export the table as CSV")),
+    "JSON under the name of a text": (json.dumps(frame().to_dict("records")), ("is JSON", "export the table as CSV")),
+    "a page under the name of a text": (frame().to_html(), ("is a page", "export the table as CSV")),
+    "a binary file": ("RIFF\x10\x00\x00WAVEfmt ", ("no text but a binary file", "export the table as CSV")),
+    "another column than names": (
+        text().replace("force,", "force,more,", 1),
+        ("line 2", "5 cells but the header has 6"),
+    ),
     "no header": (text().split("\n", 1)[1], ("column 'test' is missing",)),
     "a statistic below the rows": (text() + "Average,1,800,500,\n", ("'Average'", "delete the row")),
     "a name nearly the twin's": (_scaled("test,force,G1,g2,state", 1.0), ("'G1'", "write 'g1'")),

@@ -132,6 +132,7 @@ def test_folds_come_out_the_same_in_threads_in_processes_and_alone():
 
 
 ROWS = (range(0, 75), range(75, 150))
+WEIGHTLESS = IRIS.replace(weights=np.repeat([1.0, 0.0], [140, 10]))
 
 
 @pytest.mark.parametrize(
@@ -149,22 +150,13 @@ ROWS = (range(0, 75), range(75, 150))
         ({"depths": [0, 1]}, "depths is"),
         ({"rule": "best"}, "rule is 'best'"),
         ({"most_solves": 0}, "most_solves is 0"),
+        ({"problem": WEIGHTLESS, "folds": [(range(140), range(140, 150))]}, "all have weight 0"),
+        ({"problem": IRIS.replace(loss=ClassCosts(np.zeros((3, 3)))), "folds": 2}, "cost nothing in a single leaf"),
     ],
 )
 def test_what_cannot_be_chosen_by_is_refused_with_a_sentence(options, sentence):
     with pytest.raises(ProblemError, match=sentence):
-        choose_tree(IRIS, **options)
-
-
-def test_rows_that_weigh_nothing_judge_nothing():
-    weightless = IRIS.replace(weights=np.repeat([1.0, 0.0], [140, 10]))
-    with pytest.raises(ProblemError, match="all have weight 0"):
-        choose_tree(weightless, folds=[(range(140), range(140, 150))])
-
-
-def test_costs_that_are_all_zero_leave_nothing_to_choose_by():
-    with pytest.raises(ProblemError, match="cost nothing in a single leaf"):
-        choose_tree(IRIS.replace(loss=ClassCosts(np.zeros((3, 3)))), folds=2)
+        choose_tree(**{"problem": IRIS, **options})
 
 
 @pytest.mark.parametrize("exponent", [600, -600])

@@ -9,12 +9,13 @@ from dataclasses import replace
 
 import joblib
 import numpy as np
+import pandas as pd
 import pytest
 from sklearn.datasets import load_iris
 from sklearn.exceptions import ConvergenceWarning, NotFittedError
 
 import octmip
-from octmip import OptimalTreeClassifier, OptimalTreeRegressor, Problem, Stop, solve
+from octmip import ClassCosts, OptimalTreeClassifier, OptimalTreeRegressor, Problem, Stop, solve
 from octmip.errors import ProblemError, SolverError
 from octmip.interfaces.estimator import fitted as fitted_tree
 from octmip.interfaces.estimator.settings import seed_of, threads_of
@@ -63,6 +64,21 @@ def test_costs_weigh_the_errors():
     for costs, told in ((None, "a"), ([[0, 1], [5, 0]], "b")):
         fitted = OptimalTreeClassifier(max_depth=1, method="cart", costs=costs).fit(features, labels)
         assert fitted.predict([[0]]) == [told]
+
+
+def test_a_frame_of_costs_and_a_series_of_priors_go_by_the_names_of_the_classes():
+    features, labels = [[0.0], [0.0], [0.0], [1.0]], ["a", "a", "b", "b"]
+    costs = pd.DataFrame([[0, 1], [5, 0]], index=["a", "b"], columns=["a", "b"])
+    truth = OptimalTreeClassifier(max_depth=1, method="cart", costs=costs.to_numpy()).fit(features, labels)
+    for turned in (costs, costs.loc[["b", "a"], ["a", "b"]], costs.loc[["b", "a"], ["b", "a"]]):
+        model = OptimalTreeClassifier(max_depth=1, method="cart", costs=turned).fit(features, labels)
+        assert model.objective_ == truth.objective_ == 2.0
+        assert Problem(features, labels, depth=1, loss=ClassCosts(turned)).objective(model.tree_) == 2.0
+    told = truth.predict_proba([[0.0]], [0.9, 0.1])
+    for prior in (pd.Series({"b": 0.1, "a": 0.9}), {"b": 0.1, "a": 0.9}):
+        assert (truth.predict_proba([[0.0]], prior) == told).all()
+    with pytest.raises(ProblemError, match="prior names a, z; expected each of the classes a, b once"):
+        truth.predict_proba([[0.0]], {"a": 0.9, "z": 0.1})
 
 
 def test_a_class_weight_that_is_none_is_refused():

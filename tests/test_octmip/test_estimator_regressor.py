@@ -7,7 +7,7 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.model_selection import cross_val_score
 
 from octmip import OptimalTreeRegressor, QuantileError, SearchOptions, certify
-from octmip.errors import DataError
+from octmip.errors import ProblemError
 
 
 def samples(n=80):
@@ -45,7 +45,7 @@ def test_a_proof_that_ends_early_warns_and_words_are_refused():
     X, y = samples()
     with pytest.warns(ConvergenceWarning, match="the proof ended"):
         OptimalTreeRegressor(max_depth=3, seconds=0).fit(X, y)
-    with pytest.raises(DataError, match="predicts numbers"):
+    with pytest.raises(ProblemError, match="y cannot be read as numbers"):
         OptimalTreeRegressor().fit(X, np.where(y > 1, "a", "b"))
 
 
@@ -65,3 +65,9 @@ def test_a_regressor_has_the_picture_page_and_importances_that_a_classifier_has(
     assert 'aria-label="the fitted tree"' in found._repr_html_()
     assert found.plot().axes
     assert "samples)" in found.export_text()
+
+
+@pytest.mark.parametrize("kind", ["timedelta64[s]", "timedelta64[ns]", "datetime64[D]"])
+def test_targets_whose_numbers_depend_on_a_unit_of_time_are_refused(kind):
+    with pytest.raises(ProblemError, match=r"y holds values of type .*64\[.*expected numbers"):
+        OptimalTreeRegressor(max_depth=1).fit([[0.0], [1.0], [2.0]], np.arange(3).astype(kind))

@@ -88,7 +88,7 @@ def test_columns_may_share_a_sensor():
     assert fitted(sensor_budget=1.0).objective_ > 0
     with pytest.raises(ProblemError, match=r"sensor_of_feature names \['height'\], no columns of X"):
         fitted(sensor_of_feature={"height": "form"})
-    with pytest.raises(ProblemError, match="2 entries but X has 4 columns"):
+    with pytest.raises(ProblemError, match="2 entries but there are 4 columns of X"):
         fitted(sensor_of_feature=["a", "b"])
 
 

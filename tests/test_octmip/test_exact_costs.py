@@ -9,6 +9,7 @@ from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.native_call import without
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.question.problem import Problem
+from tests.oracles.rational import least_cost
 
 BLOCK = 30
 COST_BOUNDS = ("mixed_labels", "buckets", "cost_range", "vectors")
@@ -110,3 +111,21 @@ def test_many_classes_cost_the_same_by_histograms_and_by_walks(n_classes: int, t
     found = branch_and_bound(problem)
     assert found.is_optimal
     assert found.objective == walked.objective == problem.objective(found.tree)
+
+
+@pytest.mark.parametrize("max_splits", [3, 4, 5, 6])
+def test_few_splits_under_costs_are_those_of_a_list_of_all_trees(max_splits):
+    # Enough samples that the bound of mixed labels counts on a side of two splits.
+    for seed in range(max_splits, 60, 4):
+        rng = np.random.default_rng([83, seed])
+        n, k = int(rng.integers(30, 45)), 4
+        features = rng.integers(0, 6, (n, 2)).astype(float)
+        labels = (features.sum(axis=1).astype(int) + (rng.random(n) < 0.2) * rng.integers(0, k, n)) % k
+        costs = ClassCosts(rng.integers(1, 6, (k, k)) * (1 - np.eye(k)))
+        weights = rng.integers(1, 5, n).astype(float)
+        options = {"leaf_size": 1 + seed % 3, "leaf_penalty": float(rng.choice([0, 1])), "weights": weights}
+        problem = Problem(
+            features, labels, depth=3, loss=costs, class_names=tuple(range(k)), max_splits=max_splits, **options
+        )
+        solution = branch_and_bound(problem)
+        assert (solution.is_optimal, solution.objective) == (True, least_cost(problem)), seed

@@ -1,6 +1,7 @@
 """From a reading to a state: the compiled tree, its exports bit for bit, the library, and the appended selector."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -118,6 +119,14 @@ def test_a_library_holds_the_twins_strains_per_unit_of_load():
     row = library.index_of({"mu1": 0.4, "mu2": 0.2})
     assert library.state_names[row] == "mu1=0.4 mu2=0.2"
     assert library.strains[row] * 3.0 == pytest.approx(twin.predict({"mu1": 0.4, "mu2": 0.2}, 3.0)[[2, 0]])
+
+
+@pytest.mark.parametrize("made", [dict, pd.Series])
+def test_noise_by_name_goes_by_name(made):
+    gauges, states = LinearBeam().gauges, grid_states([LEVELS, LEVELS])
+    noise = {name: 1.0 + k for k, name in enumerate(gauges)}
+    turned = made(dict(reversed(noise.items())))
+    assert library_of(LinearBeam(), states, turned).noise_sd.tolist() == list(noise.values())
 
 
 def test_slopes_are_the_change_across_the_cell():

@@ -1,9 +1,13 @@
 """Streams: every reading gets its result, a bad one its refusal, and memory does not grow."""
 
 import math
+import sys
+from collections import namedtuple
 from dataclasses import replace
+from decimal import Decimal
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from octmip.errors import DataError
@@ -41,6 +45,15 @@ BAD = {
     r"names the gauges g99": (3.0, dict.fromkeys((*GAUGES, "g99"), 500.0)),
     "load_factor is 0": (0.0, [500.0] * 20),
     "load_factor is nan": (math.nan, [500.0] * 20),
+    "load_factor: values of type complex": (3j, [500.0] * 20),
+    "gauge g03: values that are no numbers": (3.0, ["OVLD" if k == 2 else 500.0 for k in range(20)]),
+    "gauge g03: values of type complex": (3.0, [1j if k == 2 else 500.0 for k in range(20)]),
+    "gauge g03 is a list of 1; expected one number": (3.0, [[500.0] if k == 2 else 500.0 for k in range(20)]),
+    r"g06 is 1.79\d+e\+308; expected": (3.0, [sys.float_info.max if k > 4 else 500.0 for k in range(20)]),
+    r"g05 is -1e\+200; expected": (3.0, [-1e200 if k == 4 else 500.0 for k in range(20)]),
+    "names the gauges 0, 1": (3.0, dict(enumerate([500.0] * 20))),
+    "is None; expected a pair": None,
+    "is a list of 3; expected a pair": (3.0, [500.0] * 20, 1),
 }
 
 
@@ -54,6 +67,29 @@ def test_a_bad_reading_is_refused_with_a_sentence_and_the_stream_goes_on(monitor
         raise DataError(refused.words)
     assert (before.state, after.state) == (after.state, before.state)
     assert after.number == 2
+
+
+AS = {
+    "texts": (str, lambda values: [str(value) for value in values]),
+    "texts by name": (float, lambda values: {g: str(value) for g, value in zip(GAUGES, values, strict=True)}),
+    "Decimal": (Decimal, lambda values: [Decimal(value) for value in values]),
+    "a named tuple": (np.float32, lambda values: namedtuple("Row", GAUGES[::-1])(*values[::-1])),
+    "an array of texts": (float, lambda values: np.array(values).astype(str)),
+}
+
+
+@pytest.mark.parametrize(("load", "made"), AS.values(), ids=list(AS))
+def test_readings_are_numbers_in_whatever_type_a_message_has_them(load, made):
+    factor, values = good(7)
+    truth, told = Monitor(SELECTOR).run([(factor, values), (load(factor), made(values))])
+    assert told.state == truth.state
+
+
+@pytest.mark.parametrize("nothing", [None, "", " ", pd.NA], ids=repr)
+def test_what_stands_for_no_reading_is_done_without_where_there_is_a_filter(nothing):
+    factor, values = good(7)
+    truth, told = whole().run([(factor, [None, *values[1:]]), (factor, [nothing, *values[1:]])])
+    assert (told.number, told.state) == (1, truth.state)
 
 
 def test_a_gauge_that_gave_nothing_is_done_without_where_there_is_a_filter():

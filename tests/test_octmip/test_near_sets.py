@@ -5,6 +5,7 @@ import pickle
 from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -158,16 +159,12 @@ def test_threads_do_not_change_the_set() -> None:
         ({"within": 1, "relative": 0.1}, "expected one of the two"),
         ({"within": -1}, "expected a number of 0 or more"),
         ({"relative": math.nan}, "expected a number of 0 or more"),
+        ({"problem": five_values(split="hyperplane"), "within": 1}, "split is 'hyperplane'"),
     ],
 )
-def test_what_is_asked_must_make_sense(options: dict[str, float], message: str) -> None:
+def test_what_is_asked_must_make_sense(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ProblemError, match=message):
-        near_optimal(five_values(), **options)  # type: ignore[arg-type]
-
-
-def test_hyperplanes_are_refused() -> None:
-    with pytest.raises(ProblemError, match="split is 'hyperplane'"):
-        near_optimal(five_values(split="hyperplane"), within=1)
+        near_optimal(**{"problem": five_values(), **options})
 
 
 class Claimed:

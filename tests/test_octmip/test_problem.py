@@ -68,6 +68,21 @@ def test_a_sensor_is_paid_once_however_many_features_it_gives():
     assert p.shape.sensor_cost_of(Split(2, 1.0, tree, Leaf(0))) == 2.5 > p.shape.sensor_limit
 
 
+@pytest.mark.parametrize("made", [dict, pd.Series])
+def test_what_is_given_by_name_goes_by_name_in_any_order(made):
+    sensors, costs = made({"x2": "r", "x1": "l", "x0": "l"}), made({"r": 2.0, "l": 0.5})
+    p = problem(targets=[0, 1, 1, 0], sensor_of_feature=sensors, sensor_cost=costs, monotone=made({"x1": -1})).shape
+    assert (p.sensor_of_feature, p.sensor_costs.tolist(), p.monotone) == (("l", "l", "r"), [0.5, 2.0], (0, -1, 0))
+    assert problem(sensor_of_feature=made({"x1": "l"})).shape.sensor_of_feature == ("x0", "l", "x2")
+    with pytest.raises(ProblemError, match=r"sensor_of_feature names \['y'\], no features; expected some of"):
+        problem(sensor_of_feature=made({"y": "l"}))
+
+
+def test_an_order_of_classes_is_no_set():
+    with pytest.raises(ProblemError, match=r"class_order is a set.*which has no order; expected a list"):
+        problem(class_order={"a", "b"})
+
+
 def test_decimal_costs_that_add_up_to_the_budget_are_within_it():
     p = problem(sensor_cost=[0.1, 0.2, 5], sensor_budget=0.3)
     assert 0.1 + 0.2 > 0.3

@@ -180,3 +180,16 @@ def test_predictions_and_errors_beyond_float64_are_said_or_kept_finite():
     problem = Problem(np.arange(8.0)[:, None], np.arange(8.0), depth=1, leaf_model="linear", loss=SquaredError())
     start = Split(0, 0.5, ValueLeaf(1e200), ValueLeaf(0.0))
     assert solve(problem, incumbent=start).objective < 1
+
+
+@pytest.mark.parametrize(("loss", "n_draws"), [("squared", 12), ("absolute", 3)])
+def test_leaves_of_a_least_size_with_room_in_the_nodes_are_those_of_a_list_of_all_trees(loss, n_draws):
+    for seed in range(n_draws):
+        rng = np.random.default_rng([84, seed])
+        n, depth = int(rng.integers(36, 50)), 2 + seed % 2
+        features = rng.integers(0, 4, (n, 2)).astype(float)
+        targets = np.where(features[:, 0] > 1, 3.0, features[:, 1]) + rng.integers(0, 9, n) * (rng.random(n) < 0.3)
+        problem = Problem(features, targets, depth=depth, loss=number_loss(loss), leaf_size=2 + seed % 3)
+        solution = solve(problem, "exact")
+        assert solution.is_optimal
+        assert solution.objective == pytest.approx(float(least_objective(problem)), rel=1e-12)

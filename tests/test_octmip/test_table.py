@@ -165,9 +165,18 @@ def test_another_ending_leaves_it_to_the_content(tmp_path, name):
     assert read_table(path).columns == ("z",)
 
 
-def test_costs_are_read_in_any_order(tmp_path):
-    path = csv_file(tmp_path, "true,b,a\nb,0,1\na,10,0\n")
-    assert read_costs(path, ["a", "b"]).tolist() == [[0, 10], [1, 0]]
+@pytest.mark.parametrize(
+    "text",
+    [
+        "true,b,a\nb,0,1\na,10,0\n",
+        ",a,b\na,0,10\nb,1,0\n",
+        '"a","b"\n"a",0,10\n"b",1,0\n',
+        "true , a, b\nb , 1, 0\na , 0, 10\n",
+    ],
+    ids=["in another order", "pandas", "R", "blanks"],
+)
+def test_costs_are_read_in_any_order(tmp_path, text):
+    assert read_costs(csv_file(tmp_path, text), ["a", "b"]).tolist() == [[0, 10], [1, 0]]
 
 
 @pytest.mark.parametrize(
@@ -176,6 +185,7 @@ def test_costs_are_read_in_any_order(tmp_path):
         ("true,a,b\na,0,1\n", "rows 'a'; expected each of the classes"),
         ("true,a,c\na,0,1\nb,1,0\n", "columns 'a', 'c'; expected each"),
         ("true,a,b\na,0,x\nb,1,0\n", "'x' is no number, and a cost"),
+        ("predicted,a,b\na,0,1\nb,1,0\n", "rows for 'predicted' classes; expected one for each true class"),
     ],
 )
 def test_wrong_costs_are_refused(tmp_path, text, sentence):

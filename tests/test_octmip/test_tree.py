@@ -28,12 +28,9 @@ def test_a_value_equal_to_the_threshold_goes_left():
     assert predict(STUMP, FIVE).tolist() == [0, 0, 0, 1, 1]
 
 
-def test_a_sample_on_the_hyperplane_goes_left():
+def test_a_sample_on_the_hyperplane_goes_left_and_products_are_added_from_the_first_feature_to_the_last():
     split = HyperplaneSplit((0, 1), (2.0, -1.0), 3.0, Leaf(0), Leaf(1))
     assert goes_left(split, np.array([[2.0, 1.0], [2.0, 0.9], [2.0, 1.1]])).tolist() == [True, False, True]
-
-
-def test_products_are_added_from_the_first_feature_to_the_last():
     split = HyperplaneSplit((0, 1, 2), (1.0, 1.0, 1.0), 0.0, Leaf(0), Leaf(1))
     # (1 + 1e16) - 1e16 is 0 in float64, while 1 + (1e16 - 1e16) would be 1 and go right
     assert goes_left(split, np.array([[1.0, 1e16, -1e16]])).tolist() == [True]

@@ -36,6 +36,10 @@ def learned(cells, **settings):
         (["$1,234", "$950"], [1234, 950], "amounts in $"),
         (["1.234 €", "12,50 €"], [1234, 12.5], "amounts in €"),
         (["1,234,567", "950"], [1234567, 950], "numbers (1,000.5 is 1000.5)"),
+        (["5.5 mm", "0", "7mm", "6 mm"], [5.5, 0, 7, 6], "numbers in mm"),
+        (["1,248 kg/m³", "950 kg/m³", "3kg/m³"], [1248, 950, 3], "numbers in kg/m³"),
+        (["21.5 °C", "-3 °C", "0 °C"], [21.5, -3, 0], "numbers in °C"),
+        (["(1,000.50)", "3", "2.00-"], [-1000.5, 3, -2], "numbers (1,000.5 is 1000.5)"),
         (["1 234", "20'000"], [1234, 20000], "numbers (1,000.5 is 1000.5)"),
     ],
 )
@@ -64,7 +68,13 @@ def test_what_can_be_read_in_two_ways_is_refused_with_its_cure(cells, sentence):
         learned(cells)
 
 
-@pytest.mark.parametrize("cells", [["5more", "4"], ["1.2.3", "1.2.4"], ["2, 3", "4, 5"], ["A-1", "A-2"], ["x%", "y%"]])
+WORDS = (
+    *("5more|4", "1.2.3|1.2.4", "2, 3|4, 5", "A-1|A-2", "x%|y%"),
+    *("1st|2nd|3rd", "2wd|4wd", "(1)|(2)|(3)", "1-|2-|3-", "5 mm|5 cm|6 cm"),
+)
+
+
+@pytest.mark.parametrize("cells", [words.split("|") for words in WORDS])
 def test_words_with_digits_stay_words(cells):
     assert learned(cells).columns[0].kind == "values"
 
@@ -73,6 +83,8 @@ def test_words_with_digits_stay_words(cells):
     ("trained", "later", "sentence"),
     [
         (["5%", "7%"], [0.05, 0.07], "the number 0.05; expected per cent"),
+        (["5 mm", "6 mm", "7 mm"], [5.0, 7.0, 6.0], "the number 5; expected numbers in mm"),
+        (["5 mm", "6 mm", "7 mm"], ["5 cm", "7 cm", "6 cm"], "'5 cm'; expected numbers in mm"),
         (["5%", "7%"], ["$5", "$7"], "'.5'; expected per cent"),
         ([5.0, 7.0], ["5%", "7%"], "holds text such as '5%'; expected numbers"),
         (["13/04/2025", "05/06/2025"], ["04/13/2025"] * 2, "expected dates .14 March 2025: 14/03/2025"),

@@ -1,10 +1,12 @@
 """The price of an option: CPU seconds of a proof with it over those of the proof without, on public tables.
 
 The options: a least number of samples in a leaf (2, 5, 20, or 1 % of the rows), the same with a budget of three
-columns, one split fewer than the depth has room for, and a proof log. A proof that its limit ends counts with the
+columns, one or two splits fewer than the depth has room for, and a proof log. Of numbers, the first column of each
+table by the others: leaves of 5 and other errors over squared error. A proof that its limit ends counts with the
 seconds at which it stopped.
 """
 
+import re
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -16,6 +18,7 @@ from benchmarks.public_tables import ordered, samples
 from benchmarks.tables import Line, markdown
 from octmip.trees.answer.solution import Solution
 from octmip.trees.methods.options import ExactOptions
+from octmip.trees.question.losses import AbsoluteError, QuantileError, SquaredError
 from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 
@@ -34,8 +37,14 @@ OPTIONS: Mapping[str, Callable[[int, int], Options]] = {
     "leaf size 1 %": lambda n, _: {"leaf_size": max(1, n // 100)},
     "leaf size 5, budget of 3": lambda _, __: {"leaf_size": 5, "sensor_budget": 3},
     "one split fewer": lambda _, depth: {"max_splits": 2**depth - 2},
+    "two splits fewer": lambda _, depth: {"max_splits": 2**depth - 3},
     "log": lambda _, __: {},
     "log, leaf size 5": lambda _, __: {"leaf_size": 5},
+}
+OF_NUMBERS: Mapping[str, Options] = {
+    "squared, leaf size 5": {"loss": SquaredError(), "leaf_size": 5},
+    "absolute": {"loss": AbsoluteError()},
+    "0.9 quantile": {"loss": QuantileError(0.9)},
 }
 
 
@@ -49,27 +58,43 @@ def results(limit: float, threads: Sequence[int], names: Sequence[str] = (), onl
     for name in names or tables():
         features, classes = samples(name)
         labels = np.unique(classes, return_inverse=True)[1]
+        of_classes = {option: asked for option, asked in OPTIONS.items() if re.search(only, option)}
+        of_numbers = {option: asked for option, asked in OF_NUMBERS.items() if re.search(only, option)}
+        columns, targets = features[:, 1:], features[:, 0]
+        if np.isnan(features).any():
+            of_numbers = {}  # proofs for numbers take no missing readings
         for depth in DEPTHS:
-            free, before = proof(Problem(features, labels, depth=depth), limit)
-            if not free.is_optimal:
-                continue
-            for option, asked in OPTIONS.items():
-                if only in option:
-                    problem = Problem(features, labels, depth=depth, **asked(len(labels), depth))  # type: ignore[arg-type]
-                    solution, seconds = proof(problem, limit, is_logged="log" in option)
-                    yield {
-                        "size": f"{name}, depth {depth}, {option}",
-                        "seed": 0,
-                        "table": name,
-                        "depth": depth,
-                        "option": option,
-                        "outcome": "proven" if solution.is_optimal else "open",
-                        "objective": solution.objective,
-                        "bound": solution.bound,
-                        "free_seconds": round(before, 4),
-                        "cpu_seconds": round(seconds, 4),
-                        "price": round(max(seconds, SHORTEST) / max(before, SHORTEST), 2),
-                    }
+            wanted = {
+                option: Problem(features, labels, depth=depth, **asked(len(labels), depth))  # type: ignore[arg-type]
+                for option, asked in of_classes.items()
+            }
+            yield from _lines(name, Problem(features, labels, depth=depth), wanted, limit)
+            if of_numbers:
+                wanted = {
+                    option: Problem(columns, targets, depth=depth, **asked)  # type: ignore[arg-type]
+                    for option, asked in of_numbers.items()
+                }
+                yield from _lines(name, Problem(columns, targets, depth=depth, loss=SquaredError()), wanted, limit)
+
+
+def _lines(name: str, free: Problem, wanted: Mapping[str, Problem], limit: float) -> Iterator[Line]:
+    """Yield a line for each option beside the problem without any, where that is proven."""
+    alone, before = proof(free, limit) if wanted else (None, 0.0)
+    for option, problem in wanted.items() if alone is not None and alone.is_optimal else ():
+        solution, seconds = proof(problem, limit, is_logged="log" in option)
+        yield {
+            "size": f"{name}, depth {free.shape.depth}, {option}",
+            "seed": 0,
+            "table": name,
+            "depth": free.shape.depth,
+            "option": option,
+            "outcome": "proven" if solution.is_optimal else "open",
+            "objective": solution.objective,
+            "bound": solution.bound,
+            "free_seconds": round(before, 4),
+            "cpu_seconds": round(seconds, 4),
+            "price": round(max(seconds, SHORTEST) / max(before, SHORTEST), 2),
+        }
 
 
 def proof(problem: Problem, limit: float, is_logged: bool = False) -> tuple[Solution, float]:

@@ -5,7 +5,7 @@ dates, per cent and amounts as people write them (`octmip.formats.columns.writte
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date, time, timedelta
 from decimal import Decimal
 from typing import Any, Literal
@@ -51,6 +51,8 @@ class Cells:
         how the numbers were written (`octmip.formats.columns.written`), "" for plain numbers and texts.
     zone
         of the clock that dates were read from (`octmip.formats.columns.instants.date_text`).
+    stored
+        what they are in the table: numbers of "truths" are true (1) and false (0).
     """
 
     numbers: NDArray[np.float64]
@@ -60,6 +62,7 @@ class Cells:
     n_missing: int
     form: str = ""
     zone: str = ""
+    stored: Stored = "numbers"
 
     @property
     def is_text(self) -> bool:
@@ -77,7 +80,7 @@ def read_cells(series: "pd.Series[Any]", form: str | None = None) -> Cells:
         sentence begins behind the name of the column.
     """
     is_missing = series.isna().to_numpy(dtype=bool)
-    cells = _cells_of(series, is_missing, form)
+    cells = replace(_cells_of(series, is_missing, form), stored=_stored_as(series))
     if form is not None and unit_of(cells.form) != unit_of(form) and cells.n_missing < len(series):
         found = shown(cells.values[0]) if cells.is_text else f"the number {np.nanmin(cells.numbers):g}"
         got = f"{words_of(cells.form)}" if cells.form else found
@@ -85,10 +88,10 @@ def read_cells(series: "pd.Series[Any]", form: str | None = None) -> Cells:
     return cells
 
 
-def stored_as(series: "pd.Series[Any]") -> Stored:
+def _stored_as(series: "pd.Series[Any]") -> Stored:
     """Return what the cells of a column are in its table, whatever is read from them."""
     if isinstance(series.dtype, pd.CategoricalDtype):
-        return stored_as(series.cat.categories.to_series())
+        return _stored_as(series.cat.categories.to_series())
     if series.dtype.kind == "b":
         return "truths"
     present = series[series.notna()] if series.dtype.kind not in "iufcmM" else ()

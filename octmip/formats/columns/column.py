@@ -27,7 +27,7 @@ from octmip.formats.columns.cells import Cells, Stored
 from octmip.formats.columns.instants import cut_between, date_text, duration_text
 from octmip.formats.columns.spellings import DAYS
 from octmip.formats.columns.written import FORMS, is_date
-from octmip.input.cells import plain_number
+from octmip.input.cells import text_by_number
 from octmip.input.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.input.messages import shown
 from octmip.trees.nodes.digits import exact
@@ -208,13 +208,10 @@ class Column:
         return np.asarray(answers[[place.get(word, len(place)) for word in words.tolist()]])
 
     def words_of(self, cells: Cells) -> NDArray[Any]:
-        """Return the texts of some cells, (n_rows,); numbers by the text of training that means the same number.
-
-        A part of a table may hold nothing but numbers in a column of texts, and then a reader takes them for numbers.
-        """
+        """Return the texts of some cells, (n_rows,); numbers, true and false by the text of training that says them."""
         if cells.is_text:
             return cells.words
-        text = {plain_number(value): value for value in reversed(self.values)}
+        text = text_by_number(self.values, are_truths=cells.stored == "truths")
         numbers = [None if math.isnan(number) else number for number in cells.numbers.tolist()]
         return np.array([number if number is None else text.get(number, f"{number:g}") for number in numbers], object)
 
@@ -229,10 +226,11 @@ class Column:
         return np.array([rank.get(word, math.nan) for word in words], dtype=np.float64)
 
     def number_text(self, value: float, number: Callable[[float], str] = exact) -> str:
-        """Return a number of the column as people write it: a date, a duration, an amount with its sign."""
+        """Return a number of the column as people write it: a date, a duration, with its sign or unit."""
         if is_date(self.form):
             return date_text(value, self.zone)
-        return duration_text(value) if self.form == DAYS else number(value) + self.form[7:]
+        sign = self.form[7:]
+        return duration_text(value) if self.form == DAYS else f"{number(value)}{' ' * sign[:1].isalpha()}{sign}"
 
     def cut_between(self, low: float, high: float) -> float | None:
         """Return the date or duration of fewest fields between two neighbours; None for other numbers."""

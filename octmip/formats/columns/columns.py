@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.cells import Cells, Stored, read_cells, stored_as
+from octmip.formats.columns.cells import Cells, read_cells
 from octmip.formats.columns.column import CONTENT, MOST_LEVELS, Column, Feature
 from octmip.formats.columns.times import complaint_of
 from octmip.formats.columns.written import words_of
@@ -104,7 +104,7 @@ class Columns:
                     found.append(Column(name, "empty", has_missing=True))
                     continue
                 _refuse(cells, len(frame), categories, missing, 1 - 1 / len(frame) if of_part else MOST_UNIQUE)
-                found.append(_column_of(name, cells, categories, doubled, stored_as(series)))
+                found.append(_column_of(name, cells, categories, doubled))
             except DataError as error:
                 reasons[name] = str(error)
         if reasons:
@@ -352,8 +352,8 @@ def _missing(cells: Cells) -> str:
     return f"{cells.n_missing} missing cell{'s' * (cells.n_missing != 1)}"
 
 
-def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool, stored: Stored) -> Column:
-    has_missing = cells.n_missing > 0
+def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool) -> Column:
+    has_missing, stored = cells.n_missing > 0, cells.stored
     is_doubled = doubled and has_missing
     if cells.is_text:
         kind: Literal["order", "subsets", "values"] = "subsets" if categories == "subsets" else "values"

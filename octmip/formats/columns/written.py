@@ -5,11 +5,12 @@
 | that of a time (`octmip.formats.columns.times`) | 2025-03-04, 4 Mar 2025, also with a time of day; 10:09:26 | days |
 | `1,000.5` | 1,000.50 or 1 000.50 | 1000.5 |
 | `1.000,5` | 1.000,50 or 2,5 | 1000.5, 2.5 |
-| one of these two and a sign, such as `1,000.5$` or `1,000.5%` | $1,000.50, 5 % | 1000.5, 5 |
+| one of these two and a sign or unit, such as `1,000.5$`, `1,000.5%`, `1,000.5mm` | $1,000.50, 5 %, 5 mm | 1000.5, 5 |
 
-A zero may stand without the sign of the others. A column that fits two forms with two meanings is refused:
-03/04/2025 where every cell may be day/month or month/day, and 1,234 where every comma may group digits or begin
-decimals. Of money the comma before three digits groups them, since amounts have two decimals.
+A zero may stand without the sign of the others. Beside other numbers (5.00) and 5.00- are below zero. A column that
+fits two forms with two meanings is refused: 03/04/2025 where every cell may be day/month or month/day, and 1,234 where
+every comma may group digits or begin decimals. Of money the comma before three digits groups them, since amounts have
+two decimals.
 """
 
 import re
@@ -27,16 +28,22 @@ from octmip.input.cells import BEYOND, is_beyond
 from octmip.input.messages import shown
 
 Floats = NDArray[np.float64]
+UNIT = r"°?[^\W\d_]{1,5}(?:[/·*][^\W\d_]{1,5})?[²³]?|°"
+"""A unit behind a number; a longer word may be anything."""
+FEW = 2
+"""Different numbers that a word may stand behind and be no unit: 2wd, 4wd."""
 NUMBER_PART = re.compile(
     r"(?P<minus>[-+]?)\s*(?P<before>[^\w\s%.,'+-]?)\s*(?P<digits>[0-9][0-9.,' \u00a0\u202f]*?)"
-    r"\s*(?P<after>[^\w\s.,'+-]?)"
+    rf"\s*(?P<after>{UNIT}|[^\w\s.,'+-]?)"
 )
+BELOW = re.compile(r"\((?P<a>[^()+-]*[0-9][^()+-]*)\)|(?P<b>[^()+-]*[0-9][^()+-]*?)\s*-")
+"""A number below zero as accountants and SAP write it."""
 DIGITS = {  # no group begins with a zero: 0,945 has decimals
     "1,000.5": r"(?:[1-9][0-9]{0,2}(?:[,' \u00a0\u202f][0-9]{3})+|[0-9]+)(?:\.[0-9]%s)?",
     "1.000,5": r"(?:[1-9][0-9]{0,2}(?:[.' \u00a0\u202f][0-9]{3})+|[0-9]+)(?:,[0-9]%s)?",
 }
 
-FORMS = rf"^(|{'|'.join(map(re.escape, TIMES))}|({'|'.join(map(re.escape, DIGITS))})[^\w\s]?)$"
+FORMS = rf"^(|{'|'.join(map(re.escape, TIMES))}|({'|'.join(map(re.escape, DIGITS))})({UNIT}|[^\w\s]?))$"
 """Every form, and "" for plain numbers, as a pattern."""
 
 
@@ -94,7 +101,9 @@ def is_time(form: str) -> bool:
 
 def unit_of(form: str) -> str:
     """Return what numbers of different forms must share to be compared: dates are days, amounts are plain numbers."""
-    return "date" if is_date(form) else form[7:] if form.endswith("%") else form if form == DAYS else ""
+    if is_time(form):
+        return "date" if is_date(form) else form
+    return "" if _is_money(form[7:]) else form[7:]
 
 
 def words_of(form: str) -> str:
@@ -109,7 +118,8 @@ def words_of(form: str) -> str:
     style, sign = form[:7], form[7:]
     if sign == "%":
         return f"per cent (5% is 5, and {style} is 1000.5)"
-    return f"{f'amounts in {sign}' if sign else 'numbers'} ({style} is 1000.5)"
+    kind = "amounts" if _is_money(sign) else "numbers"
+    return f"{kind}{f' in {sign}' if sign else ''} ({style} is 1000.5)"
 
 
 def _read(texts: Sequence[str], form: str) -> Floats | None:
@@ -118,14 +128,32 @@ def _read(texts: Sequence[str], form: str) -> Floats | None:
 
 
 def _numeric_forms(texts: Sequence[str]) -> tuple[str, ...]:
-    parts = [NUMBER_PART.fullmatch(text) for text in texts]
+    if all(map(BELOW.fullmatch, texts)):  # (1), (2) are no numbers below zero, nor are grades such as 3-
+        return ()
+    parts = [NUMBER_PART.fullmatch(_signed(text)) for text in texts]
     signs = {_sign(part) for part in parts if part is not None and not _is_zero(part)} or {""}
-    if None in parts or not all(sign in ("", "%") or unicodedata.category(sign) == "Sc" for sign in signs):
+    if None in parts or not all(sign in ("", "%") or _is_unit(sign) or _is_money(sign) for sign in signs):
+        return ()
+    if any(map(_is_unit, signs)) and (len(signs) > 1 or len(texts) <= FEW):
         return ()
     if len(signs) > 1:
         named = " and ".join(sorted(sign or "none" for sign in signs))
         raise DataError(f"holds numbers with different signs ({named}); expected one sign in every cell; write it so")
     return tuple(style + sign for style in DIGITS for sign in signs)
+
+
+def _signed(text: str) -> str:
+    """Return a number with its minus before it."""
+    below = BELOW.fullmatch(text)
+    return text if below is None else f"-{below['a'] or below['b']}"
+
+
+def _is_unit(sign: str) -> bool:
+    return re.fullmatch(UNIT, sign) is not None
+
+
+def _is_money(sign: str) -> bool:
+    return len(sign) == 1 and unicodedata.category(sign) == "Sc"
 
 
 def _sign(part: re.Match[str]) -> str:
@@ -141,7 +169,7 @@ def _numbers(texts: Sequence[str], style: str, sign: str) -> Floats | None:
     pattern = re.compile(DIGITS[style] % ("{1,2}" if sign not in ("", "%") else "+"))
     out = []
     for text in texts:
-        part = NUMBER_PART.fullmatch(text)
+        part = NUMBER_PART.fullmatch(_signed(text))
         own_sign = part is not None and (_sign(part) == sign or _is_zero(part))
         if part is None or not own_sign or not pattern.fullmatch(part["digits"]):
             return None

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.formats.table.samples import read_table
 from octmip.input.files import PathLike
-from octmip.input.messages import several
+from octmip.input.messages import several, shown
 
 
 def read_costs(path: PathLike, class_names: Sequence[Any]) -> NDArray[np.float64]:
     """Return the cost matrix of a CSV file, rows and columns in the order of `class_names`.
 
-    The header names the predicted classes and the first column the true ones, in any order:
+    The header names the predicted classes and the first column the true ones, in any order, as pandas and R write it:
 
         true,healthy,damaged
         healthy,0,1
@@ -26,8 +26,10 @@ def read_costs(path: PathLike, class_names: Sequence[Any]) -> NDArray[np.float64
     DataError
         a class is missing, unknown or named twice, or a cost is no number.
     """
-    table = read_table(path)
+    table = read_table(path, keeps_names=True)
     first = table.columns[0]
+    if first.lower().startswith(("pred", "answer")):
+        raise DataError(f"{path} has rows for {shown(first)} classes; expected one for each true class; turn the table")
     rows = [str(value) for value in table.labels(first)]
     wanted = [str(name) for name in class_names]
     for what, got in (("rows", rows), ("columns", list(table.columns[1:]))):

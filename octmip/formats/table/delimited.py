@@ -14,6 +14,7 @@ from octmip.formats.table.lines import Line, is_value, split_rows
 from octmip.formats.table.names import check_names
 from octmip.formats.table.source import Source
 from octmip.input.cells import is_beyond, may_be_beyond
+from octmip.input.messages import several
 
 # From 3.1 on pandas reads numbers exactly by default and warns of the option; before, its default may be off.
 IS_EXACT = tuple(int(part) for part in pd.__version__.split(".")[:2]) >= (3, 1)
@@ -39,10 +40,13 @@ FEW = 4
 """Rows whose first cells may count 1, 2, ... by chance."""
 
 
-def read_delimited(source: Source, as_text: str | None) -> tuple[pd.DataFrame, Layout, tuple[str, ...]]:
+def read_delimited(
+    source: Source, as_text: str | None, keeps_names: bool = False
+) -> tuple[pd.DataFrame, Layout, tuple[str, ...]]:
     """Return the table of a text, its layout, and notes on how it was read.
 
-    The column `as_text`, where there is one, stays as it is written.
+    The column `as_text`, where there is one, stays as it is written. Names of rows in a first column without a name are
+    left out, or with `keeps_names` a column called "".
 
     Raises
     ------
@@ -69,8 +73,9 @@ def read_delimited(source: Source, as_text: str | None) -> tuple[pd.DataFrame, L
         ) from error
     if not isinstance(frame.index, pd.RangeIndex) or (len(frame) and frame.iloc[:, -1].isna().any()):
         _refuse_ragged(source, layout, is_refused=False)  # pandas fills a row that is too short
-    frame, told = _named(source, frame, layout)
-    return frame, layout, (*notes, *layout.notes, *told)
+    frame, told = _named(source, frame, layout, keeps_names)
+    frame, padded = _without_blanks(frame)
+    return frame, layout, (*notes, *layout.notes, *told, *padded)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +113,21 @@ def _with_whole_numbers(frame: pd.DataFrame, cells: _Cells) -> pd.DataFrame:
     return frame.assign(**{name: texts[name] for name in large if texts[name].map(is_beyond).any()})
 
 
+def _without_blanks(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return the table whose texts have no blanks at their ends, as programs write that align columns, and a note."""
+    padded = []
+    for name in frame.columns:
+        column = frame[name]
+        texts = () if column.dtype.kind in "biuf" else column.dropna().unique()
+        bare = {text: text.strip(" ") for text in texts if isinstance(text, str) and text != text.strip(" ")}
+        if bare:
+            words = {text: None if word in NO_NUMBERS else word for text, word in bare.items()}
+            frame = frame.assign(**{name: [words.get(cell, cell) for cell in column]})
+            padded.append(name)
+    told = f"blanks at the ends of texts are left out: {several(padded)}"
+    return frame, (told,) * bool(padded)
+
+
 def rows_in(layout: Layout, strict: bool = False) -> Iterator[Line]:
     """Return the rows of a layout, with their lines."""
     return split_rows(enumerate(io.StringIO(layout.rows, newline=""), start=1), layout.separator, strict)
@@ -135,14 +155,17 @@ def ragged(n_cells: int, n_columns: int) -> str:
     )
 
 
-def _named(source: Source, frame: pd.DataFrame, layout: Layout) -> tuple[pd.DataFrame, tuple[str, ...]]:
+def _named(
+    source: Source, frame: pd.DataFrame, layout: Layout, keeps_names: bool
+) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Return the frame under the names of its header, without columns that only end the lines or name the rows."""
     header, columns = list(layout.header), list(frame.columns)
     place = f"{source.name}, line {layout.line}"
     empty = [k for k, name in enumerate(columns) if frame[name].isna().all()]
     while columns and len(columns) - 1 in empty and (len(header) < len(columns) or not header[len(columns) - 1]):
         columns.pop()  # a separator at the end of every line
-    header, frame = header[: len(columns)], frame[columns]
+    frame = frame[columns]
+    header = header if any(header[len(columns) :]) else header[: len(columns)]
     if len(header) == len(columns):  # an empty column, as before the first bar of a line in bars
         held = [k for k, name in enumerate(header) if name or k not in empty]
         header, columns = [header[k] for k in held], [columns[k] for k in held]
@@ -152,10 +175,13 @@ def _named(source: Source, frame: pd.DataFrame, layout: Layout) -> tuple[pd.Data
         if row is not None:
             raise DataError(f"{source.name}, line {row.number}: {ragged(len(row.cells), len(layout.header))}")
     if len(header) == len(columns) - 1:
-        return _with_first(source, frame, layout, header)
+        return _with_first(source, frame, layout, header, keeps_names)
+    frame = frame.set_axis(header, axis=1)  # which had no names beside an empty last column
     unnamed = [k for k, name in enumerate(header) if not name]
     if header and header[0].startswith(COUNTED):
         unnamed = [0, *unnamed]
+    if keeps_names and unnamed == [0]:
+        return frame, ()
     if unnamed == [0] and len(columns) > 1 and frame.iloc[:, 0].is_unique:
         return frame.iloc[:, 1:], (f"the first column of {source.name} has no name; it names the rows and is left out",)
     unnamed = [k for k in unnamed if not header[k]]
@@ -165,7 +191,7 @@ def _named(source: Source, frame: pd.DataFrame, layout: Layout) -> tuple[pd.Data
 
 
 def _with_first(
-    source: Source, frame: pd.DataFrame, layout: Layout, header: list[str]
+    source: Source, frame: pd.DataFrame, layout: Layout, header: list[str], keeps_names: bool
 ) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Return the frame whose rows have a cell before the first name: names of rows, or a day before its time."""
     first = frame.iloc[:, 0]
@@ -181,5 +207,7 @@ def _with_first(
         raise DataError(
             f"{source.name}, line {row.number}: {ragged(len(row.cells), len(header))}, and name every column"
         )
+    if keeps_names:
+        return frame.set_axis(["", *header], axis=1), ()
     out = frame.iloc[:, 1:].set_axis(header, axis=1)
     return out, (f"the rows of {source.name} have names, as R and pandas write them, which are left out",)

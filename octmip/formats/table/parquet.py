@@ -10,12 +10,15 @@ from octmip.formats.table.names import check_names
 from octmip.formats.table.source import Source
 from octmip.input.cells import may_be_beyond
 from octmip.input.files import check_readable
+from octmip.input.messages import several
 
 MOST_CELLS = 2**28  # two gigabytes as float64
 
 
-def read_parquet(source: Source) -> pd.DataFrame:
-    """Return the table of a Parquet file.
+def read_parquet(source: Source, keeps_names: bool = False) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return the table of a Parquet file, and a note on columns that are left out: those of the index of pandas.
+
+    With `keeps_names` they are columns, called "" where they have no name of their own.
 
     Raises
     ------
@@ -47,7 +50,12 @@ def read_parquet(source: Source) -> pd.DataFrame:
         raise DataError(
             f"{source.name} is no Parquet file that can be read ({reason}); was it written to the end?"
         ) from error
-    return frame.drop(columns=[name for name in names if name in index])
+    if keeps_names:
+        return frame.rename(columns={"__index_level_0__": ""}), ()
+    left_out = [name for name in names if name in index]
+    named = [name for name in left_out if not name.startswith("__index_level_")]
+    told = f"{several(named)} of {source.name} names the rows, as pandas says in it, and is left out"
+    return frame.drop(columns=left_out), (told,) * bool(named)
 
 
 def _index_columns(metadata: object) -> set[str]:

@@ -5,7 +5,7 @@ threshold. Nothing but an empty cell and NaN counts as missing in a label, so th
 """
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, SupportsFloat, cast
 
@@ -14,12 +14,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.written import form_of, is_time, read_texts
+from octmip.formats.columns.written import form_of, is_time, read_texts, unit_of
 from octmip.formats.table.delimited import read_delimited, rows_in
 from octmip.formats.table.layout import layout_of
 from octmip.formats.table.parquet import read_parquet
 from octmip.formats.table.source import Source, open_source
-from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact, is_missing_word, plain_number
+from octmip.formats.table.units import factor_between
+from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact, is_missing_word, plain_number, text_by_number
 from octmip.input.files import PathLike
 from octmip.input.messages import MOST_NAME, several, shown
 
@@ -28,6 +29,8 @@ OTHERWISE = {
     "target": "; if its words are classes, name the column by --label instead of --target",
 }
 """What to do with a column that holds no numbers, by its purpose."""
+NO_CLASS = (bytes, list, dict, np.ndarray)
+"""Types of cells of Parquet that are no class."""
 UNLABELLED = "--drop-unlabelled leaves such rows out"
 
 
@@ -61,6 +64,21 @@ class Table:
     def columns(self) -> tuple[str, ...]:
         """Names of the columns."""
         return tuple(str(name) for name in self.frame.columns)
+
+    def refuse_other_units(self, wanted: Mapping[str, str]) -> None:
+        """Raise unless the units that the table gives its columns are the wanted ones, where both say one.
+
+        Raises
+        ------
+        DataError
+            a column is in another unit.
+        """
+        for name, unit in self.units:
+            if name in wanted and factor_between(unit, wanted[name]) != 1.0:
+                raise DataError(
+                    f"{self.name}: column {shown(name)} is in {unit!r}; expected {wanted[name]!r}; convert the column, "
+                    "or correct its unit"
+                )
 
     def place(self, row: int, column: str) -> str:
         """Return where a cell stands in the file, for a sentence about it."""
@@ -163,7 +181,7 @@ class Table:
     def form(self, name: str, purpose: str) -> str | None:
         """Return the form of a column (`octmip.formats.columns.written`), None where its cells have none in common.
 
-        Times are a target alone: no weight and no cost is one.
+        Times are a target alone: no weight and no cost is one. The units of a model's numbers are those of its card.
 
         Raises
         ------
@@ -177,7 +195,9 @@ class Table:
             form = form_of(sorted(set(column)))
         except DataError as error:
             raise DataError(f"{self.name}, column {shown(name)} {error}") from error
-        return form if form and (purpose == "target" or not is_time(form)) else None
+        if not form or (is_time(form) and purpose != "target") or (unit_of(form) and purpose == "model"):
+            return None
+        return form
 
     def _complaint(self, name: str, column: "pd.Series[Any]", purpose: str) -> str:
         """Return a sentence about the first cell of a column that pandas could not take for numbers."""
@@ -207,9 +227,16 @@ class Table:
         self._refuse_empty(column, values, purpose)
         labels = values.to_numpy()
         if labels.dtype.kind not in "biuf":
+            odd = next((row for row, value in enumerate(values) if isinstance(value, NO_CLASS)), None)
+            if odd is not None:
+                got = f"{shown(str(labels[odd]))} of type {type(labels[odd]).__name__}"
+                raise DataError(f"{self.place(odd, column)}: {got}; expected a {purpose}; write it as a text")
             labels = np.array([str(value) for value in values], dtype=object)
             self._refuse_words(column, labels)
         if known is not None:
+            if labels.dtype.kind in "biuf" and all(isinstance(name, str) for name in known):
+                text = text_by_number(known, are_truths=labels.dtype.kind == "b")
+                labels = np.array([text.get(float(label), label) for label in labels.tolist()], dtype=object)
             is_known = set(known).__contains__
             unseen = [row for row, label in enumerate(labels.tolist()) if not is_known(label)]
             if unseen:
@@ -261,11 +288,11 @@ def _is_number(value: object) -> bool:
         return False
 
 
-def read_table(path: PathLike, as_text: str | None = None) -> Table:
+def read_table(path: PathLike, as_text: str | None = None, *, keeps_names: bool = False) -> Table:
     """Return the table of a file, or of standard input for "-".
 
     .csv and .tsv (UTF-8 or latin-1, one header line, either may be compressed: .gz) and .parquet. The column `as_text`
-    is read as text: 007 is no 7.
+    is read as text: 007 is no 7. With `keeps_names` names of rows without a name above them are the column "".
 
     Raises
     ------
@@ -276,9 +303,9 @@ def read_table(path: PathLike, as_text: str | None = None) -> Table:
     notes: tuple[str, ...] = ()
     units: tuple[tuple[str, str], ...] = ()
     if source.format == "parquet":
-        frame = read_parquet(source)
+        frame, notes = read_parquet(source, keeps_names)
     else:
-        frame, layout, notes = read_delimited(source, as_text)
+        frame, layout, notes = read_delimited(source, as_text, keeps_names)
         units = tuple((name, unit) for name, unit in zip(layout.header, layout.units, strict=False) if name and unit)
     if frame.empty:
         raise DataError(

@@ -15,6 +15,7 @@ from octmip.input.files import PathLike, decoded, read_bytes
 
 STANDARD_INPUT = "-"
 GZIP, PARQUET = b"\x1f\x8b", b"PAR1"
+EXPORT = "expected text (.csv, .tsv), plain or packed by gzip, or .parquet; export the table as CSV"
 NO_TEXT = {
     b"PK\x03\x04": "an archive, such as a workbook (.xlsx, .ods)",
     b"\xd0\xcf\x11\xe0": "a workbook (.xls)",
@@ -26,6 +27,13 @@ NO_TEXT = {
     b"\x89HDF": "an HDF5 file",
 }
 """What files begin with that hold tables, but no text."""
+NO_TABLE = {
+    re.compile(PARQUET): "a Parquet file; expected its name to end in .parquet; rename it",
+    re.compile(rb"\s*<(?:!doctype|html|table|\?xml|stata_dta)", re.IGNORECASE): "a page, XML or Stata's; " + EXPORT,
+    re.compile(rb'\s*(?:\{\s*"|\[\s*[\[{])'): "JSON; " + EXPORT,
+    re.compile(rb".{0,127}[\x00\x02-\x08\x0e-\x19\x1c-\x1f]", re.DOTALL): "no text but a binary file; " + EXPORT,
+}
+"""What is no table although it may be decoded as text, and what to do."""
 PIECE = 2**20  # bytes that are unpacked at a time
 SMALL = 2**26  # unpacked bytes that any packed table may have
 MOST_TIMES = (
@@ -81,9 +89,13 @@ class Source:
         DataError
             as `content`, or it is neither.
         """
-        content = self.content()
+        content = _marked(self.content())
+        is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+        what = "" if is_wide else next((what for mark, what in NO_TABLE.items() if mark.match(content)), "")
+        if what:
+            raise DataError(f"{self.name} is {what}")
         try:
-            text = _with_line_feeds(decoded(_marked(content), self.name))
+            text = _with_line_feeds(decoded(content, self.name))
             if "\0" in text:
                 line = text[: text.index("\0")].count("\n") + 1
                 raise DataError(f"{self.name}, line {line} holds a NUL character; expected text; write the file again")
@@ -117,10 +129,7 @@ def _marked(content: bytes) -> bytes:
 def _refuse_no_text(content: bytes, name: str) -> None:
     what = next((what for mark, what in NO_TEXT.items() if content.startswith(mark)), "")
     if what:
-        raise DataError(
-            f"{name} is {what}; expected text (.csv, .tsv), plain or packed by gzip, or .parquet; export the table as "
-            "CSV"
-        )
+        raise DataError(f"{name} is {what}; {EXPORT}")
 
 
 def _with_line_feeds(text: str) -> str:

@@ -84,7 +84,7 @@ def top_of(name: str, lines: Sequence[tuple[int, str]], separator: str) -> Top:
         _refuse_tables(name, [line for line in lines if line[0] < number])
     units = next((row.cells for row in between if len(row.cells) == len(names) and is_units(row.cells)), ())
     begin = rows[first].number if first < len(rows) else rows[-1].last + 1
-    text_of, used = dict(lines), {row.number for row in rows} | {number}
+    text_of, used = dict(lines), {k for row in rows for k in range(row.number, row.last + 1)} | {number}
     return Top(
         header=_without_comment(names, n_cells),
         units=tuple(map(unit_in, units))[:n_cells],

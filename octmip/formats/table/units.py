@@ -27,15 +27,17 @@ _QUANTITIES = {
     | dict.fromkeys(("ppm", "10^-6", "1e-6", "1E-6"), 1e-6),
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "mN": 1e-3, "daN": 10.0, "lbf": 4.4482216152605, "kgf": 9.80665},
     "moment": {"Nm": 1.0, "N m": 1.0, "N*m": 1.0, "N.m": 1.0, "kNm": 1e3, "Nmm": 1e-3},
+    "stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6, "MN/m": 1e6, "N/um": 1e6},
+    "stiffness against turning": {"Nm/rad": 1.0, "N m/rad": 1.0, "kNm/rad": 1e3, "kN m/rad": 1e3},
     "frequency": {"Hz": 1.0, "1/s": 1.0, "kHz": 1e3, "MHz": 1e6, "mHz": 1e-3, "rpm": 1 / 60, "1/min": 1 / 60},
     "pressure": {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "bar": 1e5, "mbar": 1e2}
     | {"psi": 6894.757293168},
     "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": 86400.0}
-    | {"seconds": 1.0, "minutes": 60.0, "hours": 3600.0, "days": 86400.0},
+    | {"second": 1.0, "seconds": 1.0, "minutes": 60.0, "hours": 3600.0, "days": 86400.0},
     "speed": {"m/s": 1.0, "mm/s": 1e-3, "km/h": 1 / 3.6, "kn": 1852 / 3600},
     "acceleration": {"m/s2": 1.0, "m/s^2": 1.0, "m/s**2": 1.0, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
     "mass": {"kg": 1.0, "t": 1e3},
-    "voltage": {"V": 1.0, "Volts": 1.0, "mV": 1e-3, "uV": 1e-6, "kV": 1e3},
+    "voltage": {"V": 1.0, "Volt": 1.0, "Volts": 1.0, "mV": 1e-3, "uV": 1e-6, "kV": 1e3},
     "ratio of voltages": {"V/V": 1.0, "mV/V": 1e-3, "uV/V": 1e-6},
     "current": {"A": 1.0, "mA": 1e-3, "kA": 1e3},
     "resistance": {"Ohm": 1.0, "Ω": 1.0, "kOhm": 1e3},
@@ -47,10 +49,10 @@ _QUANTITIES = {
     "temperature in kelvin": {"K": 1.0, "kelvin": 1.0},
     "temperature in degrees Fahrenheit": dict.fromkeys(("degF", "°F", "deg F", "F"), 1.0),
 }
-_LOGGER = frozenset({"TS", "RN", "unitless", "bool", "text", "date", "none", "string"})
+_LOGGER = frozenset({"TS", "RN", "NO.", "Time", "unitless", "bool", "text", "date", "none", "string"})
+"""What a row of units says of columns that have none: time stamps and record numbers of a logger among them."""
 _LABELS = frozenset({"unit", "units", "einheit", "einheiten", "unité", "unités", "unidad", "unidades"})
 """What a row of units has in a column of words, in any case."""
-"""What a row of units says of columns that have none: time stamps and record numbers of a logger among them."""
 _MEASURE = re.compile(r"(?!.*\d\s*(?:\*\*|\^)).{1,40}")
 """What is given to pint: no long text, and no power of a number, which may have any number of digits."""
 _BEHIND = re.compile(

@@ -8,7 +8,7 @@ import numpy as np
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign
-from octmip.input.named_arrays import by_name
+from octmip.input.named_arrays import by_name, numbers_in
 from octmip.twin import Twin, loads_of, state_parameters, units_of
 
 
@@ -50,12 +50,17 @@ def gathered(twin: Twin, recorded: Sequence[Recorded]) -> Campaign:
     blocks, extra = [rows for rows, _ in named], dict.fromkeys(name for _, more in named for name in more)
     for one in recorded:
         for what, given, known in (("loads", one.loads, names), ("state", one.state, parameters)):
+            if not isinstance(given, Mapping):
+                raise DataError(
+                    f"test {one.test!r}: {what} as {type(given).__name__}; expected {list(known)}; give these by name"
+                )
             unknown = [name for name in given if name not in known]
             missing = [name for name in known if name not in given] if what == "loads" else []
             if unknown or missing:
                 raise DataError(f"test {one.test!r}: {what} {list(given)}; expected {list(known)}; give these by name")
     counts = [len(rows) for rows in blocks]
-    applied = np.repeat([[one.loads[name] for name in names] for one in recorded], counts, axis=0)
+    loads = [[numbers_in(one.loads[name], f"test {one.test!r}, load {name!r}") for name in names] for one in recorded]
+    applied = np.repeat(loads, counts, axis=0)
     states = np.repeat([[one.state.get(name, 0.0) for name in parameters] for one in recorded], counts, axis=0)
     nan = np.full(sum(counts), np.nan)
     return Campaign(

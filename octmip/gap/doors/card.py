@@ -17,6 +17,7 @@ and tables are fast: their states are looked for without being asked, up to 1 an
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +67,7 @@ class Range:
 
     def __post_init__(self) -> None:
         numbers = (self.nominal, self.low, self.high)
-        if not all(isinstance(value, (int, float)) and math.isfinite(value) for value in numbers):
+        if not all(isinstance(value, Real) and math.isfinite(value) for value in numbers):
             raise DataError(f"a range is {numbers}; expected three finite numbers: nominal, low, high")
         if not (self.low <= self.nominal <= self.high and self.low < self.high):
             raise DataError(
@@ -126,6 +127,8 @@ class Card:
     ranges: Mapping[str, Range] = field(init=False)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.readings, Mapping):
+            raise DataError(f"readings are {self.readings!r}; expected the unit of every reading by name; add them")
         for name, value in {
             "readings": dict(self.readings),
             "loads": tuple(self.loads),

@@ -50,7 +50,9 @@ def table_twin(path: str | Path, card: str | Path | Card | None = None, linear: 
         raise DataError(f"table {path} is not there; expected a CSV or Parquet file; check the path")
     known = card_beside(path, card, linear)
     inputs = [*known.ranges, *known.states, *known.loads]
-    numbers = read_table(Path(path)).numbers([*inputs, *known.readings], "model")
+    table = read_table(Path(path))
+    table.refuse_other_units({**known.readings, **{name: own.unit for name, own in known.ranges.items()}})
+    numbers = table.numbers([*inputs, *known.readings], "model")
     points, values = numbers[:, : len(inputs)], numbers[:, len(inputs) :]
     limits = {name: float(points[:, inputs.index(name)].max()) for name in known.states}
     return FunctionTwin(_interpolated(points, values, inputs, str(path)), replace(known, state_limits=limits))

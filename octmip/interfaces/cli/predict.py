@@ -37,6 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     trained = None if file.preparation is None else file.preparation.index
     table = read_table(arguments.data, as_text=arguments.index or trained)
+    table.refuse_other_units(file.readings.units)
     features = _features(file, table)
     reached = leaf_index(file.tree, features)
     predicted = _predicted(file, features, reached)

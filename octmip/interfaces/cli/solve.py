@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from octmip.errors import DataError, SolverError
 from octmip.formats.table.preparation import with_written_cuts
-from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
+from octmip.formats.tree_file import Readings, leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.cli.answer import (
     ProgressLine,
     comparison_json,
@@ -137,11 +137,12 @@ def _show(arguments: argparse.Namespace, asked: TableProblem, solution: Solution
         certificate = certify(problem, solution)
         held_out = asked.claim(None if found is None else found.held_out)
         columns = asked.target_column, asked.weights_column, asked.preparation
+        units = Readings({name: unit for name, unit in asked.units.items() if name in asked.preparation.columns.names})
         new_rows = expected_words(problem, solution) if found is None else held_out_words(problem, found)
         last = new_rows + verdict(problem, solution, certificate)
 
         def write(path: str) -> None:  # a file names all the data by their sum, some time for many rows
-            write_tree_file(path, record_tree(problem, solution, *columns, held_out))
+            write_tree_file(path, record_tree(problem, solution, *columns, held_out, units))
 
         with then_written(arguments.out, write, last, is_quiet=arguments.json):
             if arguments.json:

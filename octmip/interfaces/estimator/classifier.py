@@ -3,7 +3,7 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,14 @@ from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.leaf_shares import LeafShares, Smoothing
 from octmip.interfaces.estimator.samples import label_name, labels_of, learn_samples, read_samples
 from octmip.trees.nodes.prediction import predict
-from octmip.trees.question.classes import ClassWeight, class_order_of, codes_of, factors_of, words_of_order
+from octmip.trees.question.classes import (
+    ClassWeight,
+    class_order_of,
+    codes_of,
+    factors_of,
+    in_class_order,
+    words_of_order,
+)
 from octmip.trees.question.losses import ClassCosts
 from octmip.trees.uncertainty import LeafDistribution
 
@@ -190,16 +197,18 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         training.
         """
         check_is_fitted(self, "solution_")
-        before = None if prior is None else np.asarray(prior)[self._place]
+        given = in_class_order(prior, self.classes_.tolist(), "prior")
+        before = None if given is None else np.asarray(given)[self._place]
         shares = np.empty_like(found := self.leaf_distribution_.predict(read_samples(self, X), before))
         shares[:, self._place] = found
         return shares
 
     def _costs(self) -> NDArray[np.float64] | None:
         """Return the costs with rows and columns in the order of the problem's classes."""
-        costs, n_classes = self.costs, len(self.classes_)
+        n_classes = len(self.classes_)
+        costs = in_class_order(self.costs, self.classes_.tolist(), "costs")
         if costs is None or np.shape(costs) != (n_classes, n_classes):  # a Problem says what is wrong with it
-            return costs  # type: ignore[return-value]
+            return cast(NDArray[np.float64] | None, costs)
         return np.asarray(costs)[np.ix_(self._place, self._place)]
 
     def predict_log_proba(self, X: ArrayLike) -> NDArray[np.float64]:

@@ -10,13 +10,12 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils import Tags
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted
 
-from octmip.errors import DataError
 from octmip.formats.columns.frames import series_of
-from octmip.input.cells import BEYOND, beyond_exact
 from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.samples import label_name, learn_samples, read_samples
 from octmip.trees.nodes.prediction import predict_values
 from octmip.trees.question.losses import NumberLoss, number_loss
+from octmip.trees.question.problem_values import numbers_of
 
 
 @dataclass(kw_only=True, eq=False, repr=False)
@@ -92,20 +91,14 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
         Raises
         ------
         ProblemError
-            parameters or samples are such that no tree can answer (also a ValueError).
+            parameters or samples are such that no tree can answer, or y is no column of numbers (also a ValueError).
         DataError
-            columns of X cannot become features, or y is no column of numbers (also a ValueError).
+            columns of X cannot become features (also a ValueError).
         """
         start = time.perf_counter()
         features, given, self.columns_ = learn_samples(self, X, y, doubled=True)
         self._label_name = label_name(y)
-        try:
-            targets = np.asarray(given, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise DataError(f"y cannot be read as numbers ({error}); a regression tree predicts numbers") from error
-        row = beyond_exact(given, targets)
-        if row is not None:
-            raise DataError(f"y holds {given[row]} in row {row}, {BEYOND}")
+        targets = numbers_of(given, "y", 1)
         weights = _check_sample_weight(series_of(sample_weight), features, dtype=np.float64)
         own = {"loss": number_loss(self.loss), "leaf_model": self.leaf_model, "ridge": self.ridge}
         self._answer(features, targets, weights, start, **own)

@@ -12,8 +12,9 @@ from sklearn.utils import check_random_state
 
 from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
+from octmip.input.named_arrays import as_mapping
 from octmip.trees.methods.options import Options
-from octmip.trees.question.problem_values import directions_of, number_of, whole_of
+from octmip.trees.question.problem_values import directions_of, number_of, sensor_of_each, whole_of
 from octmip.trees.question.shape import MAX_DEPTH
 from octmip.trees.runs.registry import Method
 
@@ -131,22 +132,7 @@ def sensors_of(columns: Columns, sensor_of_feature: Mapping[str, str] | Sequence
     ProblemError
         the sensors are not one per column, or name a column that is none.
     """
-    if sensor_of_feature is None:
-        return columns.column_of_feature
-    if isinstance(sensor_of_feature, Mapping):
-        unknown = [name for name in sensor_of_feature if name not in columns.names]
-        if unknown:
-            raise ProblemError(
-                f"sensor_of_feature names {unknown}, no columns of X; expected some of {list(columns.names)}"
-            )
-        sensors = {name: str(sensor_of_feature.get(name, name)) for name in columns.names}
-    elif len(sensor_of_feature) != len(columns.names):
-        raise ProblemError(
-            f"sensor_of_feature has {len(sensor_of_feature)} entries but X has {len(columns.names)} columns; give one "
-            "each, or a mapping from columns to sensors"
-        )
-    else:
-        sensors = dict(zip(columns.names, map(str, sensor_of_feature), strict=True))
+    sensors = dict(zip(columns.names, sensor_of_each(sensor_of_feature, columns.names, "columns of X"), strict=True))
     return tuple(sensors[name] for name in columns.column_of_feature)
 
 
@@ -158,6 +144,7 @@ def directions_of_columns(columns: Columns, given: Mapping[str, int] | Sequence[
     ProblemError
         a column is unknown, has no such direction, or is text, whose values have no order.
     """
+    given = as_mapping(given)
     wanted = directions_of(given if given is None or isinstance(given, Mapping) else list(given), columns.names, CST)
     signs = dict(zip(columns.names, wanted or (), strict=False))
     found: dict[str | int, Any] = {}

@@ -23,9 +23,11 @@ def read(path: Path) -> Recording:
     DataError
         no column holds times, or they cannot be read.
     """
-    table = read_table(path)
+    table = read_table(path, keeps_names=True)
     named = {column: unit_behind(column) for column in table.columns}
     stamps = next((column for column, (name, _) in named.items() if name.strip().lower() in TIMES), None)
+    if stamps is None and "" in named and table.frame[""].dtype.kind not in "iuf":  # an index, which may count samples
+        stamps = ""
     if stamps is None:
         raise DataError(
             f"{path}: no column holds times; expected one called {several(TIMES)} among {several(table.columns, 12)}; "
@@ -40,5 +42,5 @@ def read(path: Path) -> Recording:
     def loaded(column: str) -> Channel:
         return Channel(column, units[column], time, columns.floats(column, words=True))
 
-    others = [column for column in table.columns if column != stamps]
+    others = [column for column in table.columns if column and column != stamps]
     return Recording("table", {name: functools.partial(loaded, name) for name in others}, notes=(*table.notes, *how))

@@ -5,6 +5,7 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
+from numbers import Real
 
 from octmip.errors import ProblemError, SolverError
 from octmip.trees.answer.interruption import is_heard
@@ -48,7 +49,7 @@ class Limits:
     def __post_init__(self) -> None:
         for name in ("seconds", "gap", "nodes", "memory"):
             value = getattr(self, name)
-            if math.isnan(value) or value < 0:
+            if not isinstance(value, Real) or not float(value) >= 0:  # nor NaN
                 raise ProblemError(f"limit {name} is {value}; expected a number of 0 or more")
 
     def remaining(self, started: float, n_nodes: int = 0) -> "Limits":

@@ -50,6 +50,8 @@ def class_order_of(targets: object, classes: Iterable[Any], given: Sequence[Any]
         levels = ordered_levels(targets)
         named = present and present <= set(levels)
         return tuple(level for level in levels if level in present) if named else _own_order(present)
+    if isinstance(given, set | frozenset):
+        raise ProblemError(f"class_order is a set, {given}, which has no order; expected a list, from low to high")
     order = tuple(given)
     lacking = sorted(present.difference(order), key=str)
     if order and (lacking or len(set(order)) != len(order)):
@@ -140,6 +142,29 @@ def codes_of(labels: NDArray[Any], names: Sequence[Any]) -> NDArray[np.int64]:
     """Return the index of each label (n_samples,) among the names of the classes."""
     position = {name: k for k, name in enumerate(names)}
     return np.array([position[label] for label in labels.tolist()], dtype=np.int64)
+
+
+def in_class_order(given: Any, classes: Sequence[Any], what: str, first: int = 0) -> Any:
+    """Return values for classes in the order of the classes, where their axes from the `first` one name these.
+
+    Axes of series and frames do, unless they only count 0, 1, 2, ..., and so do the keys of a mapping.
+
+    Raises
+    ------
+    ProblemError
+        an axis does not name each class once.
+    """
+    axes = [list(given)] if isinstance(given, Mapping) else [list(own) for own in getattr(given, "axes", ())]
+    table = np.array(list(given.values())) if isinstance(given, Mapping) else given
+    wanted = [str(name) for name in classes]
+    for axis, names in enumerate(axes):
+        own = [str(name) for name in names]
+        if axis < first or names == list(range(len(names))):
+            continue
+        if sorted(own) != sorted(wanted):
+            raise ProblemError(f"{what} names {', '.join(own)}; expected each of the classes {', '.join(wanted)} once")
+        table = np.take(np.asarray(table), [own.index(name) for name in wanted], axis)
+    return table
 
 
 def labels_of(values: ArrayLike) -> NDArray[Any]:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError, ProblemError
 from octmip.input.cells import BEYOND, beyond_exact
-from octmip.input.named_arrays import columns_of, numbers_in, settled, unmasked
+from octmip.input.named_arrays import as_mapping, columns_of, numbers_in, settled, unmasked
 
 
 def set_field(noun: object, name: str, value: object) -> None:
@@ -255,6 +255,32 @@ def whole_of(value: int, name: str, low: int, high: int | None) -> int:
     return int(value)
 
 
+def sensor_of_each(
+    given: Mapping[str, str] | Sequence[str] | None, names: tuple[str, ...], what: str
+) -> tuple[str, ...]:
+    """Return the sensor of each name: its own where none is given, or a mapping leaves the name out.
+
+    Raises
+    ------
+    ProblemError
+        there are more or fewer sensors than names, or a mapping has another name; `what` says what they are.
+    """
+    given = as_mapping(given)
+    if given is None:
+        return names
+    if isinstance(given, Mapping):
+        unknown = [name for name in given if name not in names]
+        if unknown:
+            raise ProblemError(f"sensor_of_feature names {unknown}, no {what}; expected some of {list(names)}")
+        return tuple(str(given.get(name, name)) for name in names)
+    if len(given) != len(names):
+        raise ProblemError(
+            f"sensor_of_feature has {len(given)} entries but there are {len(names)} {what}; give one each, or a "
+            "mapping from some of them"
+        )
+    return tuple(map(str, given))
+
+
 def sensor_costs_of(
     given: Mapping[str, float] | Sequence[float] | None, sensors: tuple[str, ...]
 ) -> NDArray[np.float64]:
@@ -265,6 +291,7 @@ def sensor_costs_of(
     ProblemError
         a sensor has no cost, an unknown one has, or a cost is negative.
     """
+    given = as_mapping(given)
     if given is None:
         return np.ones(len(sensors))
     if isinstance(given, Mapping):
@@ -309,6 +336,7 @@ def directions_of(given: object, names: tuple[str, ...], what: str) -> tuple[int
     ProblemError
         a feature is unknown, or a direction none.
     """
+    given = as_mapping(given)
     if given is None:
         return None
     found = [0] * len(names)

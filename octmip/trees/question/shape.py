@@ -20,6 +20,7 @@ from octmip.trees.question.problem_values import (
     directions_of,
     number_of,
     sensor_costs_of,
+    sensor_of_each,
     set_field,
     whole_of,
     words_of,
@@ -85,8 +86,8 @@ class Shape:
     leaf_penalty
         price of one feature in one split (of a split, in an axis-aligned tree), in units of cost.
     sensor_of_feature
-        (n_features,) name of the sensor that a feature is read from; None: one sensor per feature,
-        named like the feature.
+        (n_features,) name of the sensor that a feature is read from, or a mapping from features; of one that is left
+        out, and with None, its own name.
     sensor_cost
         cost of each sensor, a mapping by name or one number per sensor in the order of `sensors`; None: 1.
     sensor_budget
@@ -155,13 +156,7 @@ class Shape:
         self._set_parts(feature_names)
 
     def _set_sensors(self, feature_names: tuple[str, ...]) -> None:
-        names = feature_names if self.sensor_of_feature is None else self.sensor_of_feature
-        of_feature = tuple(str(name) for name in names)
-        if len(of_feature) != len(feature_names):
-            raise ProblemError(
-                f"sensor_of_feature has {len(of_feature)} entries but there are {len(feature_names)} features; "
-                "give one each"
-            )
+        of_feature = sensor_of_each(self.sensor_of_feature, feature_names, "features")
         sensors = tuple(dict.fromkeys(of_feature))
         position = {name: s for s, name in enumerate(sensors)}
         set_field(self, "sensor_of_feature", of_feature)

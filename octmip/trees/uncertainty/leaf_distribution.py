@@ -16,12 +16,14 @@ Saerens, P. Latinne, C. Decaestecker, Adjusting the outputs of a classifier to n
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
+from octmip.input.named_arrays import as_mapping
 from octmip.trees.nodes.tree import Node, leaf_index, leaves
 from octmip.trees.question.problem import Problem
 
@@ -74,6 +76,10 @@ def checked_prior(prior: ArrayLike, n_classes: int) -> Floats:
     ProblemError
         it has another length, a number below 0, or nothing in all.
     """
+    if isinstance(as_mapping(prior), Mapping):
+        raise ProblemError(
+            f"prior is a {type(prior).__name__} with names; expected {n_classes} numbers in the order of the classes"
+        )
     values = np.array(prior, dtype=np.float64)
     if values.shape != (n_classes,) or not np.isfinite(values).all() or (values < 0).any() or values.sum() <= 0:
         raise ProblemError(

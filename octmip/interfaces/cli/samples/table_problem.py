@@ -9,7 +9,7 @@
 
 import argparse
 import shlex
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -59,6 +59,8 @@ class TableProblem:
         samples kept from training, None without such.
     share, seed
         of the table's rows that are held out; the share is None where there are none or another table has them.
+    units
+        that the table gives its columns.
     """
 
     problem: Problem
@@ -69,6 +71,7 @@ class TableProblem:
     held_out: Samples | None
     share: float | None
     seed: int
+    units: Mapping[str, str]
 
     def claim(self, score: Score | None) -> HeldOut | None:
         """Return what a tree file says of a tree with this score on the samples held out."""
@@ -128,10 +131,11 @@ def read_problem(arguments: argparse.Namespace) -> TableProblem:
         preparation = replace(preparation, class_weight=tuple(factors.tolist()))
     held_out = samples_of(problem, features[is_held], labels[is_held], weights[is_held]) if share is not None else None
     if getattr(arguments, "test", None):
-        held_out = _tested(arguments.test, problem, chosen, preparation)
+        held_out = _tested(arguments.test, problem, chosen, preparation, dict(whole.units))
     n_dropped = len(whole.frame) - len(table.frame)
     notes = *_notes_of(n_dropped, preparation.columns, whole), *_forms(table, chosen, purpose), *_missing(problem)
-    return TableProblem(problem, chosen.label, chosen.weights, preparation, notes, held_out, share, arguments.seed)
+    beside = notes, held_out, share, arguments.seed, dict(whole.units)
+    return TableProblem(problem, chosen.label, chosen.weights, preparation, *beside)
 
 
 def _loss(arguments: argparse.Namespace) -> NumberLoss | None:
@@ -315,8 +319,9 @@ def _kind_of_split(arguments: argparse.Namespace) -> Literal["axis", "hyperplane
     return "hyperplane" if (arguments.split_size or 1) > 1 else "axis"
 
 
-def _tested(path: str, problem: Problem, chosen: Chosen, preparation: Preparation) -> Samples:
+def _tested(path: str, problem: Problem, chosen: Chosen, preparation: Preparation, units: Mapping[str, str]) -> Samples:
     table = kept_rows(read_table(path), preparation.rows, chosen.label, chosen.needed)
+    table.refuse_other_units(units)
     is_number = problem.loss.predicts == "number"
     labels = (
         table.numbers([chosen.label], "target")[:, 0]

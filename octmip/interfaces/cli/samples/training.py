@@ -135,7 +135,8 @@ def read_test(file: TreeFile, problem: Problem, data: str) -> Samples:
 
 
 def prepared(file: TreeFile, table: Table, label: str, weights: str | None) -> Table:
-    """Return a table of the rows that the training would have kept."""
+    """Return a table of the rows that the training would have kept, in the units of the training."""
+    table.refuse_other_units(file.readings.units)
     if file.preparation is None:
         return table
     needed = [*file.preparation.columns.names, *([weights] if weights else [])]

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.question.classes import in_class_order
 from octmip.trees.question.losses.exact_sums import whole_numbers
 from octmip.trees.question.losses.loss import Floats, Loss
 from octmip.trees.question.problem_values import numbers_of
@@ -31,7 +32,8 @@ class ClassCosts(Loss):
     ----------
     costs
         (n_classes, n_classes) cost, 0 or more, of predicting column k for a sample of class row i, in the order of
-        `Samples.class_names`; None: 0 for the own class and 1 for any other. In a Problem it is always the matrix.
+        `Samples.class_names`, or a frame that names them; None: 0 for the own class and 1 for any other. In a Problem
+        it is always the matrix.
     per_sample
         whether the rows are the samples instead, (n_samples, n_classes): the classes are decisions, and the targets
         only say which of them counts as right.
@@ -91,7 +93,8 @@ class ClassCosts(Loss):
             return self
         if self.per_sample and self.costs is None:
             raise ProblemError("per_sample is True but costs are left out; give a row of costs for each sample")
-        matrix = 1.0 - np.eye(k) if self.costs is None else numbers_of(self.costs, "costs", 2)
+        costs = in_class_order(self.costs, class_names, "costs", first=int(self.per_sample))
+        matrix = 1.0 - np.eye(k) if costs is None else numbers_of(costs, "costs", 2)
         if matrix.shape != expected:
             rows = "a row for each sample and columns" if self.per_sample else "rows and columns"
             raise ProblemError(f"costs has shape {matrix.shape}; expected {expected}, {rows} {class_names}")

@@ -302,7 +302,7 @@ impl Samples {
 
     /// The sets of as many labels as a child of this many leaves may predict, where they bound anything.
     pub(crate) fn label_sets(&self, n_leaves: usize) -> Option<&LabelSets> {
-        self.sets.get((n_leaves.max(2).ilog2() - 1) as usize)?.as_ref()
+        self.sets.get((n_leaves.max(2).next_power_of_two().ilog2() - 1) as usize)?.as_ref()
     }
 
     /// Number of cost profiles.

@@ -56,6 +56,11 @@ impl Tree {
         Self { nodes }
     }
 
+    /// Number of splits.
+    pub fn n_splits(&self) -> usize {
+        self.nodes.len() / 2
+    }
+
     /// Whether a split of one feature asks this one.
     pub fn reads(&self, asked: u32) -> bool {
         self.nodes.iter().any(|node| matches!(node, Node::Split { feature, .. } if *feature == asked))

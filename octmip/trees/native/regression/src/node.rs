@@ -11,6 +11,9 @@ use octmip_frame::effort::Control;
 use octmip_frame::interval::Interval;
 use octmip_frame::tree::Tree;
 
+/// Share of the least size whose usual cost is the slack of a child with large leaves.
+const SLACK: f64 = 0.25;
+
 /// Buffers of one level of nodes.
 #[derive(Debug, Default)]
 struct Level {
@@ -29,6 +32,8 @@ pub(crate) struct Search<'a> {
     two_levels: TwoLevels<'a>,
     levels: Vec<Level>,
     marks: Vec<bool>,
+    /// The search of the same problem with leaves of any size, where they have a least one.
+    free: Option<Box<Search<'a>>>,
 }
 
 /// A cut whose children are to be solved.
@@ -40,6 +45,8 @@ pub(crate) struct Cut {
     pub position: usize,
     /// Known lower bounds of the children.
     pub bounds: Pair,
+    /// The same for leaves of any size.
+    pub relaxed: Pair,
     /// The children together must cost less.
     pub target: f64,
     /// So much more is spent on a child's bound.
@@ -67,7 +74,18 @@ impl<'a> Search<'a> {
             two_levels: TwoLevels::new(samples, control),
             levels: (0..=depth).map(|_| Level::default()).collect(),
             marks: vec![false; samples.n],
+            free: samples.free.as_deref().map(|free| Box::new(Search::new(free, control, depth))),
         }
+    }
+
+    /// Hand out the search of the problem with leaves of any size.
+    pub(crate) fn take_free(&mut self) -> Option<Search<'a>> {
+        self.free.take().map(|free| *free)
+    }
+
+    /// Put it back.
+    pub(crate) fn put_back(&mut self, free: Search<'a>) {
+        self.free = Some(Box::new(free));
     }
 
     /// Whether the search is stopped.
@@ -79,6 +97,32 @@ impl<'a> Search<'a> {
     ///
     /// `floor` is a bound known beforehand: a tree that costs no more ends the search.
     pub(crate) fn solve(&mut self, view: &View, depth: usize, upper: f64, floor: f64) -> NodeResult {
+        match self.free.as_mut().filter(|_| depth > 1 && upper > floor && view.has_room(self.samples, depth)) {
+            Some(free) => {
+                let free = free.solve(view, depth, upper, 0.0);
+                self.beside(view, depth, upper, floor, free)
+            }
+            None => self.searched(view, depth, upper, floor),
+        }
+    }
+
+    /// The same, the problem with leaves of any size being solved: that is a bound, and where its leaves are large
+    /// enough its tree is the best one.
+    fn beside(&mut self, view: &View, depth: usize, upper: f64, floor: f64, free: NodeResult) -> NodeResult {
+        if let Some(search) = &self.free {
+            self.incumbents.clone_from(&search.incumbents);
+        }
+        let Some((cost, tree)) = free.best.filter(|(cost, _)| *cost < upper) else {
+            return NodeResult { lower: free.lower.max(floor), relaxed: free.lower, best: None };
+        };
+        if view.holds_leaves(self.samples, &tree, self.samples.leaf_size) {
+            return NodeResult { lower: cost, relaxed: cost, best: Some((cost, tree)) };
+        }
+        let found = self.searched(view, depth, upper, floor.max(cost));
+        NodeResult { lower: found.lower.max(cost), relaxed: found.relaxed.max(cost), ..found }
+    }
+
+    fn searched(&mut self, view: &View, depth: usize, upper: f64, floor: f64) -> NodeResult {
         let samples = self.samples;
         let clusters = view.cluster_bound(samples, 1 << depth.min(20));
         if upper <= floor.max(clusters) {
@@ -173,6 +217,12 @@ impl<'a> Search<'a> {
         best
     }
 
+    /// What is spent on the bound of a child with large leaves beyond the target of its cut.
+    fn slack(&self, view: &View, cut: &Cut) -> f64 {
+        let usual = view.leaf(self.samples) / view.len.max(1) as f64;
+        cut.slack.min(SLACK * self.samples.leaf_size as f64 * usual)
+    }
+
     /// Solve both children of a cut: their bounds, and the tree when both are found.
     ///
     /// With slack a child is solved although the pair is known to lose: its bound then rules out neighbours too.
@@ -180,15 +230,35 @@ impl<'a> Search<'a> {
         view.split(self.samples, cut.feature, cut.position, &mut self.marks, sides);
         self.control.add(1);
         let mut bounds = [cut.bounds.left.max(0.0), cut.bounds.right.max(0.0)];
-        let mut relaxed = [0.0; 2];
+        let mut relaxed = [cut.relaxed.left.max(0.0), cut.relaxed.right.max(0.0)];
         let mut trees = [None, None];
         let first = usize::from(sides[1].len > sides[0].len);
+        let mut found = [None, None];
         for side in [first, 1 - first] {
             let budget = cut.target + cut.slack - bounds[1 - side];
-            let result = self.solve(&sides[side], depth - 1, budget, bounds[side]);
-            bounds[side] = bounds[side].max(result.lower);
-            relaxed[side] = result.relaxed;
-            trees[side] = result.best;
+            let view = &sides[side];
+            if let Some(free) = self.free.as_mut().filter(|_| view.has_room(self.samples, depth - 1)) {
+                let result = free.solve(view, depth - 1, budget, relaxed[side]);
+                relaxed[side] = relaxed[side].max(result.lower);
+                found[side] = Some(result);
+            } else {
+                let result = self.searched(view, depth - 1, budget, bounds[side]);
+                relaxed[side] = relaxed[side].max(result.relaxed);
+                bounds[side] = bounds[side].max(result.lower);
+                trees[side] = result.best;
+            }
+            bounds[side] = bounds[side].max(relaxed[side]);
+        }
+        for side in [first, 1 - first] {
+            if let Some(free) = found[side].take()
+                && bounds[0] + bounds[1] < cut.target
+                && !self.is_stopped()
+            {
+                let budget = cut.target + self.slack(&sides[side], cut) - bounds[1 - side];
+                let result = self.beside(&sides[side], depth - 1, budget, bounds[side], free);
+                bounds[side] = bounds[side].max(result.lower);
+                trees[side] = result.best;
+            }
         }
         let tree = match trees {
             [Some((left, left_tree)), Some((right, right_tree))] if !self.is_stopped() => {
@@ -213,8 +283,8 @@ pub(crate) fn next_cut(
 ) -> Option<(Interval, (usize, Cut))> {
     let interval = axis.narrow(samples, interval, target)?;
     let k = axis.pick(samples, &interval, target)?;
-    let [bounds, _] = axis.bounds(samples, &interval, k);
+    let [bounds, relaxed] = axis.bounds(samples, &interval, k);
     let slack = axis.slack(&interval, k);
     let position = axis.positions[k] as usize;
-    Some((interval, (k, Cut { feature, position, bounds, target, slack })))
+    Some((interval, (k, Cut { feature, position, bounds, relaxed, target, slack })))
 }

@@ -96,8 +96,8 @@ pub fn solve(
     let n_workers = if question.depth > 2 { n_threads.clamp(1, BATCH) } else { 1 };
     let worker = |_| Worker { search: Search::new(&samples, &control, question.depth), sides: Default::default() };
     let workers = (0..n_workers).map(worker).collect();
-    let mut root = Root { samples: &samples, workers, supervision: &supervision, state: &state };
-    let result = supervision.run(|| root.solve(&view, question.depth, upper, clusters), poll);
+    let mut root = Root { samples: &samples, workers, supervision: &supervision, state: Some(&state) };
+    let result = supervision.run(|| root.beside(&view, question.depth, upper, clusters), poll);
     let stop = supervision.reason().unwrap_or(Stop::Optimal);
     let tree = result.best.map(|(_, tree)| tree);
     Found { tree, bound: result.lower, stop, n_cuts: control.n_evaluated() }
@@ -116,10 +116,36 @@ struct Root<'a> {
     samples: &'a Samples,
     workers: Vec<Worker<'a>>,
     supervision: &'a Supervision,
-    state: &'a Mutex<State>,
+    /// Where progress is shown; None for a problem that stands beside the one that is asked.
+    state: Option<&'a Mutex<State>>,
 }
 
 impl Root<'_> {
+    /// The best tree, from three levels on after that with leaves of any size: its cost is a bound, and where its
+    /// leaves are large enough it is the best one.
+    fn beside(&mut self, view: &View, depth: usize, upper: f64, clusters: f64) -> NodeResult {
+        let Some(samples) = self.samples.free.as_deref().filter(|_| depth > 2 && view.has_room(self.samples, depth))
+        else {
+            return self.solve(view, depth, upper, clusters);
+        };
+        let searches = self.workers.iter_mut().filter_map(|worker| worker.search.take_free());
+        let workers = searches.map(|search| Worker { search, sides: Default::default() }).collect();
+        let mut root = Root { samples, workers, supervision: self.supervision, state: None };
+        let free = root.solve(view, depth, upper, clusters);
+        let is_stopped = self.supervision.is_stopped();
+        for (worker, free) in self.workers.iter_mut().zip(root.workers) {
+            worker.search.put_back(free.search);
+        }
+        match free.best {
+            Some((cost, tree)) if view.holds_leaves(self.samples, &tree, self.samples.leaf_size) => {
+                let lower = if is_stopped { free.lower } else { cost };
+                NodeResult { lower, relaxed: lower, best: Some((cost, tree)) }
+            }
+            Some(_) if !is_stopped => self.solve(view, depth, upper, free.lower),
+            _ => NodeResult { best: None, ..free },
+        }
+    }
+
     fn solve(&mut self, view: &View, depth: usize, upper: f64, clusters: f64) -> NodeResult {
         if depth <= 2 {
             let mut result = self.workers[0].search.solve(view, depth, upper, clusters);
@@ -210,7 +236,8 @@ impl Root<'_> {
     }
 
     fn report(&self, cost: f64, bound: f64) {
-        *self.state.lock().unwrap_or_else(PoisonError::into_inner) = State { cost, bound };
+        let Some(state) = self.state else { return };
+        *state.lock().unwrap_or_else(PoisonError::into_inner) = State { cost, bound };
         if cost.is_finite()
             && let Some(gap) = self.supervision.gap_reached(cost - bound, cost)
         {

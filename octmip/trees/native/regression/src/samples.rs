@@ -96,6 +96,8 @@ pub(crate) struct Samples {
     pub(crate) penalty: f64,
     /// Fewest samples in a leaf.
     pub leaf_size: usize,
+    /// The same with leaves of any size, where they have a least one.
+    pub(crate) free: Option<Box<Samples>>,
 }
 
 impl Samples {
@@ -138,6 +140,7 @@ impl Samples {
             slopes: question.slopes,
             penalty: question.penalty,
             leaf_size: question.leaf_size,
+            free: (question.leaf_size > 1).then(|| Box::new(Self::new(&Question { leaf_size: 1, ..question.clone() }))),
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::clusters::{Histogram, N_BINS, Sums};
 use crate::samples::Samples;
 use octmip_frame::interval::part;
+use octmip_frame::tree::{Node, Tree};
 
 /// Samples of a node. The cut at position `k` of feature `f` sends the first `k` samples of list `f` left.
 #[derive(Debug, Clone, Default)]
@@ -69,6 +70,28 @@ impl View {
             samples.sums[i as usize].weight * slopes.most(-miss, miss)
         };
         list.iter().map(error).sum()
+    }
+
+    /// Whether leaves of a tree of so many levels have room for twice the least size: the problem with leaves of any
+    /// size then is near to the one that is asked, and easier.
+    pub(crate) fn has_room(&self, samples: &Samples, depth: usize) -> bool {
+        (self.len >> depth.min(20)) / 2 >= samples.leaf_size
+    }
+
+    /// Whether every leaf of a tree has so many of the samples.
+    pub(crate) fn holds_leaves(&self, samples: &Samples, tree: &Tree, leaf_size: usize) -> bool {
+        let mut counts = vec![0; tree.nodes.len()];
+        for &i in self.list(samples.p) {
+            let mut row = 0;
+            while let Node::Split { feature, cut, left, right } = &tree.nodes[row] {
+                let f = samples.features.iter().position(|usable| usable == feature).unwrap_or(samples.p);
+                let is_left = samples.ranks_of(f)[i as usize] <= *cut;
+                row = if is_left { *left } else { *right } as usize;
+            }
+            counts[row] += 1;
+        }
+        let is_large = |(node, count): (&Node, &usize)| !matches!(node, Node::Leaf { .. }) || *count >= leaf_size;
+        tree.nodes.iter().zip(&counts).all(is_large)
     }
 
     /// Lower bound of the error of any tree with so many leaves.

@@ -153,7 +153,7 @@ impl<'a> Search<'a> {
             return stumps;
         }
         let first = usize::from(2 * place.k > place.view.len); // the smaller one fails sooner
-        for side in [first, 1 - first] {
+        for side in [first, 1 - first].into_iter().filter(|&side| place.leaf_side != Some(side)) {
             let upper = threshold - stumps[1 - side].lower;
             if stumps[0].lower + stumps[1].lower >= place.target {
                 stumps[side].value = i64::MAX; // none is known, none is wanted

@@ -1,12 +1,16 @@
 //! The best tree of at most so many splits.
 //!
-//! Where the splits suffice for every tree of the depth, the search without a number answers. Else one of them is the
-//! root's, and the others are shared out: for every share `(a, b)` the cuts of every feature are searched with the
-//! bounds of `node::axis`, which hold for any two kinds of trees on the two sides.
+//! Where the splits suffice for every tree of the depth, the search without a number answers, and two splits on two
+//! levels are one pass over the cuts as well (`node::depth_two`). Else the problem without a number stands beside: what
+//! it costs is a bound, and its tree is the best one where it has few splits. One split is the root's, and the others
+//! are shared out. A cut's sides are solved with all their splits first; only where these stay below the target
+//! together, they are solved with the splits of every share. A share's bounds are those of `node::axis`, which hold for
+//! any two kinds of trees on the two sides.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::VecDeque;
 
 use crate::node::axis::Axis;
+use crate::node::beside::first_step;
 use crate::node::plan::Plan;
 use crate::node::result::NodeResult;
 use crate::node::search::Search;
@@ -17,30 +21,46 @@ use crate::view::View;
 use octmip_frame::effort::Control;
 use octmip_frame::interval::Interval;
 
-/// Nodes whose results are kept.
-pub(super) const MOST_KEPT: usize = 1 << 18;
-
 /// Samples of a node as bits, its depth and splits.
 pub(super) type Key = (Vec<u64>, usize, usize);
 
-/// Splits for both sides of a cut, and what is known of the node with fewer.
-#[derive(Debug, Clone, Copy)]
-struct Share<'l> {
-    depth: usize,
-    sides: [usize; 2],
-    /// Lower bounds of the node's trees of 0, 1, 2, ... splits.
-    lows: &'l [i64],
-}
+/// Splits of the left and the right side of a cut.
+type Share = [usize; 2];
 
-/// A search for trees of few splits: workspaces and results.
+/// A search for trees of few splits: workspaces.
 pub(super) struct Few<'a> {
     pub(super) samples: &'a Samples,
     pub(super) search: Search<'a>,
     pub(super) depth: usize,
     pub(super) splits: usize,
     pub(super) control: &'a Control,
-    kept: HashMap<Key, NodeResult>,
     marks: Vec<bool>,
+}
+
+/// What is known of a node before its cuts are searched.
+struct Begun {
+    /// Cost of the best tree of any number of splits.
+    free: i64,
+    /// Features, by the trees that the free search saw at their cuts.
+    order: Vec<usize>,
+    /// What trees of one level fewer and of 0, 1, 2, ... splits cost at least.
+    lows: Vec<i64>,
+    /// The best of them.
+    best: NodeResult,
+}
+
+/// One side of a cut, and what its trees of 0, 1, 2, ... splits are known to cost.
+struct Side {
+    view: View,
+    lower: Vec<i64>,
+    best: Vec<Option<(i64, Plan)>>,
+}
+
+impl Side {
+    /// Take up a bound of trees of at most `splits` splits: those of fewer cost no less.
+    fn raise(&mut self, splits: usize, lower: i64) {
+        self.lower[..=splits].iter_mut().for_each(|known| *known = lower.max(*known));
+    }
 }
 
 impl<'a> Few<'a> {
@@ -48,12 +68,38 @@ impl<'a> Few<'a> {
     pub(super) fn new(samples: &'a Samples, control: &'a Control, depth: usize, splits: usize) -> Self {
         let (depth, splits) = least_size(depth, splits);
         let search = Search::new(samples, Switches::default(), control, depth);
-        Self { samples, search, depth, splits, control, kept: HashMap::new(), marks: vec![false; samples.n] }
+        Self { samples, search, depth, splits, control, marks: vec![false; samples.n] }
     }
 
-    /// Search all samples for trees that cost less than `upper`.
+    /// Search all samples for trees that cost less than `upper`: first for those little above what the problem without
+    /// a number costs, then above more and more.
     pub(super) fn search(mut self, view: &View, upper: i64, known: &Known) {
-        let result = self.solve(view, self.depth, self.splits, upper);
+        let size = (self.depth, self.splits);
+        if self.is_one_search(size) {
+            let result = self.solve(view, self.depth, self.splits, upper);
+            return self.show(view, result, known);
+        }
+        let begun = match self.begin(view, size, upper) {
+            Ok(begun) => begun,
+            Err(result) => return self.show(view, result, known),
+        };
+        self.show(view, NodeResult { lower: begun.free, ..begun.best.clone() }, known);
+        let (upper, mut proven) = (known.best().0.min(upper), begun.free);
+        let mut step = first_step(proven, view);
+        while proven < upper && !self.control.is_stopped() {
+            let asked = upper.min(proven.saturating_add(step));
+            let result = self.by_cuts(view, size, asked, &begun);
+            (proven, step) = (result.cost(asked), step.saturating_mul(2));
+            let is_found = result.best.is_some();
+            self.show(view, result, known);
+            if is_found {
+                break;
+            }
+        }
+    }
+
+    /// Show a tree and a bound.
+    fn show(&self, view: &View, result: NodeResult, known: &Known) {
         if let Some((cost, plan)) = result.best {
             known.see(cost, || plan.tree(self.samples, view));
         }
@@ -65,35 +111,13 @@ impl<'a> Few<'a> {
     /// The best tree of at most `depth` levels and `splits` splits if it costs less than `upper`, else the proof that
     /// none does.
     pub(super) fn solve(&mut self, view: &View, depth: usize, splits: usize, upper: i64) -> NodeResult {
-        let (depth, splits) = least_size(depth, splits);
-        if upper <= 0 {
-            return NodeResult::none(0);
-        }
-        let is_whole = splits + 1 == 1 << depth.min(20);
-        if is_whole {
-            self.search.forget(); // the buckets laid out last may be those of other samples
-            let result = self.search.solve(view, depth, upper, 0);
-            self.search.report_effort();
-            return result;
-        }
-        let leaf = view.leaf();
-        let is_cheap = leaf <= self.samples.penalty || self.samples.n_labels == 1;
-        if is_cheap || view.len < 2 * self.samples.leaf_size || self.samples.p == 0 {
-            return NodeResult::cheapest(leaf, Plan::Leaf, upper);
-        }
-        let key = (self.bits(view), depth, splits);
-        if let Some(known) = self.kept.get(&key) {
-            match &known.best {
-                Some((cost, plan)) => return NodeResult::cheapest(*cost, plan.clone(), upper),
-                None if known.lower >= upper => return NodeResult::none(upper),
-                None => {}
-            }
-        }
-        let result = self.by_number(view, depth, splits, upper);
-        if !self.control.is_stopped() && (self.kept.len() < MOST_KEPT || self.kept.contains_key(&key)) {
-            self.kept.insert(key, result.clone());
-        }
-        result
+        self.search.forget(); // the buckets laid out last may be those of other samples
+        self.node(view, (depth, splits), upper, 0)
+    }
+
+    /// Whether one pass over the cuts finds the best tree.
+    fn is_one_search(&self, (depth, splits): (usize, usize)) -> bool {
+        depth <= 2 || splits + 1 == 1 << depth.min(20)
     }
 
     pub(super) fn bits(&self, view: &View) -> Vec<u64> {
@@ -102,88 +126,212 @@ impl<'a> Few<'a> {
         bits
     }
 
-    /// One split, two, three, ...: each number bounds the children of the trivial cuts of those that follow.
-    fn by_number(&mut self, view: &View, depth: usize, splits: usize, upper: i64) -> NodeResult {
-        let mut best = NodeResult::cheapest(view.leaf(), Plan::Leaf, upper);
-        let mut lows = vec![view.leaf()];
-        for number in 1..=splits {
-            let before = best.cost(upper);
-            let (levels, number) = least_size(depth, number);
-            let result = if number + 1 == 1 << levels {
-                self.solve(view, levels, number, before)
-            } else {
-                self.shared_out(view, levels, number, before, &lows)
+    /// The same of a node whose samples are some of those whose buckets are laid out.
+    fn node(&mut self, view: &View, (depth, splits): (usize, usize), upper: i64, floor: i64) -> NodeResult {
+        let size @ (depth, splits) = least_size(depth, splits);
+        if upper <= floor {
+            return NodeResult::none(floor);
+        }
+        let leaf = view.leaf();
+        if self.search.is_leaf_best((leaf, view.len), depth, floor) {
+            return NodeResult::cheapest(leaf, Plan::Leaf, upper);
+        }
+        if self.is_one_search(size) {
+            let result = match splits {
+                2 if depth == 2 => self.search.two_splits(view, upper, floor),
+                _ => self.search.solve(view, depth, upper, floor),
             };
-            if self.control.is_stopped() {
-                return if result.best.is_some() { result } else { best };
+            self.search.report_effort();
+            return result;
+        }
+        match self.begin(view, size, upper) {
+            Ok(begun) => {
+                let found = self.by_cuts(view, size, begun.best.cost(upper), &begun);
+                if found.best.is_some() { found } else { begun.best.closed(upper) }
             }
-            lows.push(result.lower.min(before));
-            if result.cost(i64::MAX) < before {
+            Err(result) => result,
+        }
+    }
+
+    /// Solve the problem without a number and that of one level fewer; the result itself where these tell it.
+    fn begin(&mut self, view: &View, size: (usize, usize), upper: i64) -> Result<Begun, NodeResult> {
+        let free = self.search.solve(view, size.0, upper, 0);
+        self.search.report_effort();
+        let Some((cost, plan)) = free.best.filter(|_| !self.control.is_stopped()) else {
+            return Err(NodeResult::none(free.lower));
+        };
+        if plan.tree(self.samples, view).n_splits() <= size.1 {
+            return Err(NodeResult::found(cost, plan));
+        }
+        let incumbents = std::mem::take(&mut self.search.incumbents);
+        let mut order: Vec<usize> = (0..self.samples.p).collect();
+        if incumbents.len() == self.samples.p {
+            order.sort_by_key(|&f| incumbents[f].cost);
+        }
+        let (lows, best) = self.shallower(view, size, upper);
+        Ok(Begun { free: cost, order, lows, best })
+    }
+
+    /// The best tree with a cut at its root below `upper`.
+    fn by_cuts(&mut self, view: &View, size: (usize, usize), upper: i64, begun: &Begun) -> NodeResult {
+        let mut best = NodeResult::none(upper);
+        if size.0 == 3 {
+            self.search.prepare(view);
+        }
+        let shares = shares(size);
+        for &f in &begun.order {
+            if best.cost(upper) <= begun.free || self.control.is_stopped() {
+                break;
+            }
+            let found = self.feature(view, f, size.0 - 1, (&shares, &begun.lows), best.cost(upper));
+            if found.best.is_some() {
+                best = found;
+            }
+        }
+        best.closed(upper)
+    }
+
+    /// What trees of one level fewer and of 0, 1, 2, ... splits cost on all samples of a node at least, and the best of
+    /// them below `upper`.
+    fn shallower(&mut self, view: &View, (depth, splits): (usize, usize), upper: i64) -> (Vec<i64>, NodeResult) {
+        let (depth, most) = least_size(depth - 1, splits);
+        if depth == 2 {
+            self.search.prepare(view);
+        }
+        let mut all = Side { view: View::default(), lower: vec![0; most + 1], best: Vec::new() };
+        let mut best = NodeResult::cheapest(view.leaf(), Plan::Leaf, upper);
+        all.lower[0] = view.leaf();
+        for splits in (1..=most).rev().filter(|&splits| splits == most || depth == 2) {
+            let result = self.node(view, (depth, splits), upper, all.lower[splits]);
+            all.raise(splits, result.lower);
+            if result.cost(i64::MAX) < best.cost(upper) {
                 best = result;
             }
         }
-        best.closed(upper)
-    }
-
-    fn shared_out(&mut self, view: &View, depth: usize, splits: usize, upper: i64, lows: &[i64]) -> NodeResult {
-        let most = (1 << (depth - 1).min(20)) - 1;
-        let mut best = NodeResult::none(upper);
-        for f in 0..self.samples.p {
-            for left in (splits - 1).saturating_sub(most)..=most.min(splits - 1) {
-                let share = Share { depth: depth - 1, sides: [left, splits - 1 - left], lows };
-                let result = self.feature(view, f, share, best.cost(upper));
-                if result.best.is_some() {
-                    best = result;
-                }
-                if self.control.is_stopped() {
-                    return best;
-                }
-            }
+        if depth > 2 {
+            self.search.forget();
         }
-        best.closed(upper)
+        (all.lower, best)
     }
 
-    /// The best tree with feature `f` at its root and its splits shared out so, if it costs less than `upper`.
-    fn feature(&mut self, view: &View, f: usize, share: Share<'_>, upper: i64) -> NodeResult {
-        let switches = Switches::default();
-        let mut axis = Axis::default();
-        let n_leaves = (share.sides[0].max(share.sides[1]) + 1).next_power_of_two();
-        axis.lay(self.samples, view, f, n_leaves, 0, &switches);
-        let last = axis.last();
-        (axis.left[last], axis.right[0]) = (share.lows[share.sides[0]], share.lows[share.sides[1]]);
-        let mut queue: VecDeque<Interval> = axis.whole().into_iter().collect();
+    /// The best tree with feature `f` at its root and `depth` levels below, if it costs less than `upper`.
+    fn feature(
+        &mut self,
+        view: &View,
+        f: usize,
+        depth: usize,
+        (shares, lows): (&[Share], &[i64]),
+        upper: i64,
+    ) -> NodeResult {
+        let mut axes: Vec<Axis> = shares.iter().map(|&share| self.axis(view, f, share, lows)).collect();
+        let mut queue: VecDeque<Interval> = axes[0].whole().into_iter().collect();
         let mut best = NodeResult::none(upper);
-        let mut sides = [View::default(), View::default()];
+        let side = || Side { view: View::default(), lower: Vec::new(), best: Vec::new() };
+        let mut sides = [side(), side()];
         while let Some(interval) = queue.pop_front() {
             let target = best.cost(upper) - self.samples.penalty;
-            let Some(interval) = axis.narrow(interval, target) else { continue };
-            let Some(k) = axis.pick(&interval, target) else { continue };
-            let position = axis.positions[k] as usize;
-            view.split(self.samples, f, position, &mut self.marks, &mut sides);
-            let mut bounds: [i64; 2] = axis.bounds(&interval, k).into();
-            let budget = target + axis.slack(&interval, k);
-            let mut plans = [None, None];
-            let first = usize::from(share.sides[1] < share.sides[0]); // the side of fewer splits is solved sooner
-            for side in [first, 1 - first] {
-                let result = self.solve(&sides[side], share.depth, share.sides[side], budget - bounds[1 - side]);
+            let open: Vec<(Interval, usize)> = axes.iter().filter_map(|axis| open(axis, interval, target)).collect();
+            let Some(&(first, k)) = open.first() else { continue };
+            // What is closed for every share is left out.
+            let low = open.iter().map(|(interval, _)| interval.low).min().unwrap_or(first.low);
+            let high = open.iter().map(|(interval, _)| interval.high).max().unwrap_or(first.high);
+            let interval = Interval { low, high, ..interval };
+            let position = axes[0].positions[k] as usize;
+            self.lay(view, (f, position), lows.len(), &mut sides);
+            for (axis, share) in axes.iter().zip(shares) {
+                let (left, right) = axis.bounds(&interval, k);
+                sides[0].raise(share[0], left);
+                sides[1].raise(share[1], right);
+            }
+            let mut slack = axes[0].slack(&interval, k);
+            if shares.len() == 2 {
+                // Of all splits but one: what both sides cost with all their splits closes most cuts.
+                slack /= 2;
+                self.share(&mut sides, depth, [lows.len() - 1; 2], (target, slack));
+            }
+            for share in shares {
+                let target = best.cost(upper) - self.samples.penalty;
+                let plans = self.share(&mut sides, depth, *share, (target, slack));
                 if self.control.is_stopped() {
                     return best;
                 }
-                bounds[side] = bounds[side].max(result.lower);
-                plans[side] = result.best;
-            }
-            axis.enter(k, bounds, [0, 0]);
-            if let [Some((left, left_plan)), Some((right, right_plan))] = plans {
-                let cost = left + right + self.samples.penalty;
-                if cost < best.cost(upper) {
-                    let plan = Plan::split(self.samples, view, f, position, [left_plan, right_plan]);
-                    best = NodeResult::found(cost, plan);
+                if let Some((cost, plans)) = plans.filter(|(cost, _)| *cost < target) {
+                    let plan = Plan::split(self.samples, view, f, position, plans);
+                    best = NodeResult::found(cost + self.samples.penalty, plan);
                 }
+            }
+            for (axis, share) in axes.iter_mut().zip(shares) {
+                axis.enter(k, [0, 1].map(|side| sides[side].lower[share[side]]), [0, 0]);
             }
             queue.extend(interval.halves(k).into_iter().flatten());
         }
         best.closed(upper)
     }
+
+    /// The cuts of a feature for the trees of a share.
+    fn axis(&self, view: &View, f: usize, share: Share, lows: &[i64]) -> Axis {
+        let mut axis = Axis::default();
+        let n_leaves = share[0].max(share[1]) + 1;
+        axis.lay(self.samples, view, f, n_leaves, 0, &Switches::default());
+        let last = axis.last();
+        (axis.left[last], axis.right[0]) = (lows[share[0]], lows[share[1]]);
+        for side in [0, 1].into_iter().filter(|&side| share[side] == 0) {
+            axis.take_up_leaves(self.samples, view, f, side);
+        }
+        axis
+    }
+
+    /// Part the samples at a cut; nothing is known of the sides but what their leaves cost.
+    fn lay(&mut self, view: &View, (f, position): (usize, usize), n_sizes: usize, sides: &mut [Side; 2]) {
+        let mut views = sides.each_mut().map(|side| std::mem::take(&mut side.view));
+        view.split(self.samples, f, position, &mut self.marks, &mut views);
+        for (side, view) in sides.iter_mut().zip(views) {
+            let leaf = view.leaf();
+            *side = Side { view, lower: vec![0; n_sizes], best: vec![None; n_sizes] };
+            (side.lower[0], side.best[0]) = (leaf, Some((leaf, Plan::Leaf)));
+        }
+    }
+
+    /// Solve both sides with the splits of a share, where they may cost less than the target together; the best pair
+    /// where both are found.
+    fn share(
+        &mut self,
+        sides: &mut [Side; 2],
+        depth: usize,
+        share: Share,
+        (target, slack): (i64, i64),
+    ) -> Option<(i64, [Plan; 2])> {
+        let first = usize::from(share[1] < share[0]); // the side of fewer splits is solved sooner
+        for side in [first, 1 - first] {
+            let [own, other] = [side, 1 - side].map(|side| sides[side].lower[share[side]]);
+            if own + other >= target {
+                return None;
+            }
+            if sides[side].best[share[side]].is_none() {
+                if depth > 2 {
+                    self.search.forget();
+                }
+                let result = self.node(&sides[side].view, (depth, share[side]), target + slack - other, own);
+                sides[side].raise(share[side], result.lower);
+                let fewest = result.best.as_ref().map_or(share[side], |(_, plan)| most_splits(plan).min(share[side]));
+                sides[side].best[fewest..=share[side]].fill(result.best);
+            }
+        }
+        let [Some(left), Some(right)] = [0, 1].map(|side| sides[side].best[share[side]].clone()) else { return None };
+        Some((left.0 + right.0, [left.1, right.1]))
+    }
+}
+
+/// The cuts of an interval that a feature's axis leaves open, and the next of them.
+fn open(axis: &Axis, interval: Interval, target: i64) -> Option<(Interval, usize)> {
+    let interval = axis.narrow(interval, target)?;
+    axis.pick(&interval, target).map(|k| (interval, k))
+}
+
+/// The ways to share out all splits but the root's.
+fn shares((depth, splits): (usize, usize)) -> Vec<Share> {
+    let most = (1 << (depth - 1).min(20)) - 1;
+    ((splits - 1).saturating_sub(most)..=most.min(splits - 1)).map(|left| [left, splits - 1 - left]).collect()
 }
 
 /// Levels and splits as far as they allow each other: `s` splits make at most `s` levels, and a tree of `d` levels has
@@ -191,4 +339,14 @@ impl<'a> Few<'a> {
 pub(super) fn least_size(depth: usize, splits: usize) -> (usize, usize) {
     let depth = depth.min(splits);
     (depth, splits.min((1 << depth.min(20)) - 1))
+}
+
+/// Splits of a plan's tree at most.
+fn most_splits(plan: &Plan) -> usize {
+    match plan {
+        Plan::Leaf => 0,
+        Plan::Stump => 1,
+        Plan::Split { sides, .. } => 1 + most_splits(&sides[0]) + most_splits(&sides[1]),
+        Plan::Whole(tree) => tree.n_splits(),
+    }
 }

@@ -16,7 +16,7 @@ use std::rc::Rc;
 
 use crate::samples::Samples;
 use crate::shaped::boxes::{Bounds, Fixed, labels, order, side};
-use crate::shaped::few::{Few, Key, MOST_KEPT, least_size};
+use crate::shaped::few::{Few, Key, least_size};
 use crate::shaped::last_cuts::last_cuts;
 use crate::shaped::wanted::{Known, Options};
 use crate::view::View;
@@ -49,6 +49,9 @@ pub(super) struct Cut {
 
 /// A tree that was found and its cost.
 pub(super) type Found = Option<(i64, Tree)>;
+
+/// Nodes whose best trees in no order are kept.
+const MOST_KEPT: usize = 1 << 18;
 
 /// The best tree of a node in no order, None where it was only proven to cost no less than the bound.
 #[derive(Debug, Clone)]

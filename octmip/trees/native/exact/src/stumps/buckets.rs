@@ -233,6 +233,10 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
             let reach = self.visit(group, &mut sides);
             self.reaches.push(reach);
         }
+        if let Some(side) = place.leaf_side {
+            sides.best[side] = sides.leaf[side];
+            self.reaches.iter_mut().for_each(|reach| reach[side] = 0);
+        }
         self.finish(samples, place, &mut sides, threshold);
         let reach = [0, 1].map(|side| {
             let open = self.reaches.iter().map(|reach| reach[side]).max();

@@ -23,6 +23,8 @@ pub struct Place<'a> {
     pub(crate) k: usize,
     /// Both sides together must cost less for the cut to matter.
     pub(crate) target: i64,
+    /// The side that is a leaf, if one has to be.
+    pub(crate) leaf_side: Option<usize>,
     /// Ranks of `f` by sample; none where all samples are right of the cut.
     ranks: &'a [u32],
     /// Least rank right of the cut.
@@ -34,12 +36,17 @@ impl<'a> Place<'a> {
     pub fn new(samples: &'a Samples, view: &'a View, f: usize, k: usize, target: i64) -> Self {
         let ranks = samples.ranks_of(f);
         let edge = ranks[view.list(f)[k] as usize];
-        Self { view, f, k, target, ranks, edge }
+        Self { view, f, k, target, leaf_side: None, ranks, edge }
+    }
+
+    /// The same with a leaf on a side.
+    pub(crate) fn with_leaf(self, leaf_side: Option<usize>) -> Self {
+        Self { leaf_side, ..self }
     }
 
     /// All samples on the right; the stump is wanted exactly.
     pub(crate) fn whole(view: &'a View) -> Self {
-        Self { view, f: 0, k: 0, target: i64::MAX, ranks: &[], edge: 0 }
+        Self { view, f: 0, k: 0, target: i64::MAX, leaf_side: None, ranks: &[], edge: 0 }
     }
 
     /// Whether a sample is on a side (0 left, 1 right).

@@ -82,7 +82,7 @@ impl Scan {
             total_range += samples.ranges[i as usize];
         }
         let mut gain = totals.iter().copied().max().unwrap_or(0);
-        for f in 0..samples.p {
+        for f in (0..samples.p).filter(|_| place.leaf_side != Some(side)) {
             let keeps = |i: u32| place.is_on(side, i);
             let best = best_cut(samples, place.view.list(f), f, keeps);
             self.scores[f] = best.map_or(0, |best| best.gain);

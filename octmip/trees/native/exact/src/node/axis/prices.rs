@@ -3,6 +3,7 @@
 use crate::node::axis::Axis;
 use crate::node::result::Solved;
 use crate::samples::Samples;
+use crate::view::View;
 
 impl Axis {
     /// The same bounds for trees of `levels` levels in one child or the other: those of fewer are known.
@@ -27,6 +28,24 @@ impl Axis {
         if self.is_beside && solved.iter().any(|cut| cut.feature == f) {
             self.spread(f, solved, i64::MAX);
         }
+    }
+
+    /// The same where the child on this side is a leaf: what that costs.
+    pub(crate) fn take_up_leaves(&mut self, samples: &Samples, view: &View, f: usize, side: usize) {
+        let last = self.last();
+        self.least_of.iter_mut().for_each(|least| least.resize(last + 1, 0));
+        let mut gains = [vec![0; samples.n_labels], view.totals.clone()];
+        let mut from = 0;
+        for (k, &to) in self.positions.iter().enumerate().take(last + 1) {
+            for &i in &view.list(f)[from..to as usize] {
+                samples.count(i, 1, &mut gains[0]);
+                samples.count(i, -1, &mut gains[1]);
+            }
+            from = to as usize;
+            let range = [self.total_range[k], view.total_range - self.total_range[k]];
+            self.least_of[side][k] = range[side] - gains[side].iter().copied().max().unwrap_or(0);
+        }
+        self.has_least = true;
     }
 
     /// Raise what is known of children to the bounds of solved cuts, up to `most`; what is known of these bounds those
