@@ -51,6 +51,9 @@ def test_the_least_limit_counts_and_the_error_is_the_largest_of_all_that_were_ch
     own = wing_capability(tiny, tiny_reduced, wing_limits(tiny, tip_limit=0.01), n_states=8, n_checks=3)
     least = np.minimum(own.limits(np.array(checked)), capability.FAR * full.min(axis=1, keepdims=True))
     assert own.error == pytest.approx(np.abs(least / full - 1.0).max())
+    rng = np.random.default_rng(0)
+    drawn = [capability.drawn_states(rng, n, 2) for n in (8, 3)]  # solved, then checked
+    np.testing.assert_array_equal(checked, drawn[1])
     found = own.limits(STATES)
     np.testing.assert_allclose(own.load_factors(STATES), found.min(axis=1))
     assert (found.argmin(axis=1) == 2).all()

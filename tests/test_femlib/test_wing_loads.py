@@ -5,9 +5,7 @@ import pytest
 
 from femlib.arrays import FloatArray
 from femlib.wing import Wing, inertial_load
-from femlib.wing.loads import EFFECTIVE_MASS, GRAVITY
-
-HALF_WEIGHT = 0.5 * EFFECTIVE_MASS * GRAVITY
+from femlib.wing.loads import GRAVITY
 
 
 def moments(wing: Wing, forces: FloatArray, stations: FloatArray) -> FloatArray:

@@ -12,8 +12,11 @@ import pytest
 
 from octmip import Limits, Options, Problem, SearchOptions, SquaredError, Stop, solve
 from octmip.errors import DataError
+from octmip.trees.encoding import integer_costs
 from octmip.trees.evidence.proof import check_proof
+from octmip.trees.methods.checkpoint.entry import Entry
 from octmip.trees.methods.checkpoint.file import first_line, summed
+from octmip.trees.methods.checkpoint.search_state import grid_digest
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.question.losses import ClassCosts
 from tests.oracles.enumeration import optimum
@@ -167,6 +170,15 @@ def cut_off(problem, path):
         nodes *= 2
     rewritten(path, lambda content: content.update(solution=None))
     return options
+
+
+def test_a_proof_that_is_killed_again_has_spent_the_nodes_of_its_state_once(tmp_path, monkeypatch):
+    options = replace(cut_off(lines(), tmp_path / "kept"), every=0.0)
+    monkeypatch.setattr(Entry, "keep", lambda self, solution: solution)
+    before = found_in(options.checkpoint)["nodes"]
+    solve(lines(), "exact", Limits(nodes=2.0 * before), options=options)
+    found = found_in(options.checkpoint)
+    assert before < found["nodes"] == found["state"]["numbers"][2]
 
 
 def rewritten(path, edit):
@@ -323,3 +335,9 @@ def test_what_needs_more_memory_than_there_is_is_refused(tmp_path):
     options = cut_off(lines(), tmp_path / "kept")
     with pytest.raises(DataError, match="tables of 64 slope intervals, and memory for"):
         solve(lines(), "exact", Limits(memory=10_000), options=options)
+
+
+@pytest.mark.parametrize("changed", [{"exponent": 9}, {"penalty": 9}])
+def test_costs_on_another_grid_have_another_digest(changed):
+    costs = integer_costs(small(leaf_penalty=0.5))
+    assert grid_digest(replace(costs, **changed)) != grid_digest(costs) == grid_digest(replace(costs))

@@ -96,6 +96,7 @@ def test_the_tree_that_generalises_is_chosen_and_fitted_to_all_samples():
     assert choice.problem.shape.leaf_penalty == choice.chosen.alpha * choice.problem.baseline
     assert certify(choice.problem, choice.solution).objective == choice.solution.objective
     assert choice.chosen.validation_cost == min(step.validation_cost for step in choice.steps)
+    assert f"n_steps={len(choice.steps)}, n_paths={len(choice.paths)})" in repr(choice)
 
 
 def test_one_pair_of_training_and_validation_rows_chooses_as_bertsimas_and_dunn_do():

@@ -5,13 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from octmip.gap import CHAIN, diagnose
+from octmip.gap import CHAIN, diagnose, sizes
 from octmip.gap.causes import _closes, _left_by
 from octmip.gap.inference.candidates import Candidate
-from octmip.gap.inference.inference import Inference
+from octmip.gap.inference.inference import Inference, Judged
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import linearise
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
+from octmip.gap.sizes import _exact, parameters
 from tests.test_octmip.beam_twin import ETA, Beam, Bumps, Field, measured
 
 RUN = measured(1000)
@@ -156,6 +157,27 @@ def test_a_size_goes_through_the_exact_forward_map():
     size = first.parameters[0]
     assert size.low < 12.0 < size.high
     assert size.high - size.low < 2.0  # 4 % of the size, whatever else is known
+
+
+def test_an_exact_size_fits_the_readings_best_and_its_interval_holds_the_one_that_leads(monkeypatch):
+    """From the linear fit of a strain that is divided by 1 + size / 100."""
+    softer = Softer("modulus", np.full(20, -0.01), None, 4.0)
+    campaign = measured(3, lambda state, load, time: Beam().predict(state, load) * (1 / 1.2 - 1))
+    inputs, _ = prepare(campaign, Beam(), {"modulus": softer}, COMMISSIONING)
+    model = linearise(inputs, np.zeros((4, 2)))
+    head = Judged((0,), False, 0.0, Inference(model), probability=1.0)
+    shown, plain = model.means.predicted, float(head.fit.size[0])
+    tried = np.linspace(10.0, 30.0, 2001)
+    left = [np.linalg.norm(model.whiten(model.residual + shown - shown / (1.0 + 0.01 * size))) for size in tried]
+    size, stretch = _exact(head, 0, plain)
+    assert abs(plain - 20.0) > 2.0
+    assert size == pytest.approx(tried[np.argmin(left)], abs=0.05)
+    assert stretch == pytest.approx((1.0 + 0.01 * size) ** 2, rel=0.15)  # of the slope about none and there
+    for mean in (plain - 3.0, plain + 3.0):
+        monkeypatch.setattr(sizes, "_mixture", lambda *_, mean=mean: (mean, 0.01))
+        (own,) = parameters(head, [head])
+        assert own.low <= size <= own.high
+        assert own.high - own.low > 3.0
 
 
 def test_the_interval_of_a_size_reckons_with_the_place_between_two_places():

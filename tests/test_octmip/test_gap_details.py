@@ -1,25 +1,34 @@
 """Details of the diagnosis, each beside its definition: loads, units, campaigns, channels, noise."""
 
 from dataclasses import dataclass, replace
+from itertools import combinations, product
+from math import comb, log
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.special import logsumexp
+from scipy.stats import multivariate_normal
 
 from octmip.errors import DataError, TwinError
-from octmip.gap import Campaign, Recorded, function_twin, gathered, read_campaign
+from octmip.gap import Campaign, Recorded, diagnose, function_twin, gathered, read_campaign
 from octmip.gap.campaign.campaign import ENOUGH_FOR_HALVES
-from octmip.gap.campaign.metered import gathered_alike
+from octmip.gap.campaign.metered import MOST_LOADS, gathered_alike, looked_at
 from octmip.gap.campaign.noise_estimate import _moderated
 from octmip.gap.campaign.noise_parts import _has_trend, _with_outstanding, greatest
 from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.doors.budget import OF_LOAD, OF_RANGE, _steps
 from octmip.gap.effects.chain import CROSSTALK, DEAD_GAUGE, MISALIGNMENT, POSITION_OFFSET, SWAPPED_PAIR, Moment
 from octmip.gap.effects.loads import errors_of_load
-from octmip.gap.inference.inputs import prepare
-from octmip.gap.preparation import _typical
+from octmip.gap.inference.candidates import SCALES
+from octmip.gap.inference.inputs import OF_MODELS, prepare
+from octmip.gap.inference.linear_model import linearise
+from octmip.gap.inference.posterior import attribute
+from octmip.gap.inference.unknown import SIZES, SMOOTH
+from octmip.gap.next_test import next_tests
+from octmip.gap.preparation import _histories, _typical
 from octmip.twin import Loads
-from tests.test_octmip.beam_twin import Beam, measured
+from tests.test_octmip.beam_twin import Beam, measured, own_effects
 from tests.test_octmip.test_gap_built import SPRINGS
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell, write
 
@@ -43,7 +52,7 @@ class Bent:
 @pytest.mark.parametrize("kind", [0, 1])
 def test_a_load_that_was_another_changes_what_the_twin_says_of_it(load, kind):
     """Per cent of a factor, units of an offset; exactly, and linearly where the twin knows no greater load."""
-    error, size = errors_of_load("force", 10.0, 0.0)[kind], 0.5
+    error, size = errors_of_load("force", 3.0, 0.0)[kind], 0.5
     there = 2.0 + size if kind else 2.0 * (1.0 + size / 100.0)
     here, slope = Bent().predict({}, load), 2.0 / 2.0 * (1.0 if kind else 2.0 / 100.0)
     exact = error.predict(Bent(), {}, load, size, "", 0.0)
@@ -86,6 +95,16 @@ def test_a_text_among_readings_is_refused_with_what_its_row_may_be(tmp_path, row
     rows = with_cell(lines_of(measured(1)), row, "g03", "gauge")
     with pytest.raises(DataError, match=rf"row {row + 1}, column g03 is 'gauge'; .*{cure}"):
         read_campaign(write(tmp_path, rows), Beam())
+
+
+@pytest.mark.parametrize(("unit", "seconds"), [("ms", 1e-3), ("min", 60.0), ("", 1.0)])
+def test_a_time_is_in_the_unit_of_its_column(tmp_path, unit, seconds):
+    campaign = measured(1, repeats=5)
+    head, *rows = lines_of(campaign)
+    named = head.replace(",time,", f",time [{unit}]," if unit else ",time,")
+    found = read_campaign(write(tmp_path, [named, *rows]), Beam())
+    assert found.time == pytest.approx(seconds * campaign.time)
+    assert any(f"Column time was converted from {unit} to s." in note for note in found.notes) == (unit != "")
 
 
 @pytest.mark.parametrize("unit", ["microstrain", "mm"])
@@ -140,6 +159,20 @@ def test_cells_halves_and_what_is_left_are_as_defined(seed):
         assert np.array_equal(getattr(left, name), values[kept], equal_nan=True)
 
 
+def test_a_gauge_without_a_reading_has_no_mean_and_a_candidate_bears_its_place():
+    campaign = measured(1, repeats=3)
+    readings = campaign.readings.copy()
+    readings[:3, 4] = np.nan
+    means = [cell.mean for cell in replace(campaign, readings=readings).cells]
+    assert np.argwhere(np.isnan(means)).tolist() == [[0, 4]]
+    names = [
+        one.words
+        for one in prepare(campaign, Beam(), {"dead": DEAD_GAUGE, **own_effects()}, noise_sd=3.0)[0].candidates
+    ]
+    assert names[:2] == ["dead_gauge (g01)", "dead_gauge (g02)"]
+    assert names[20] == "modulus"
+
+
 def test_the_typical_reading_of_a_unit_is_a_root_mean_square():
     campaign = measured(1, repeats=4)
     own = {name: np.where(k < 5, 2.0, 1.0) for k, name in enumerate(campaign.gauges)}
@@ -148,6 +181,34 @@ def test_the_typical_reading_of_a_unit_is_a_root_mean_square():
     found = _typical(campaign, twin)
     assert found["mm"] == pytest.approx(np.sqrt(np.mean(campaign.readings[:, :5] ** 2)))
     assert found["microstrain"] == pytest.approx(np.sqrt(np.mean(campaign.readings[:, 5:] ** 2)))
+
+
+def test_the_shorter_of_two_series_says_how_many_loads_they_are_gathered_around():
+    """Twelve rows for each, twenty at most."""
+    rng = np.random.default_rng(0)
+    long, short = (
+        gathered(
+            SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in rng.uniform(1.0, 9.0, n).tolist()]
+        )
+        for n in (600, 120)
+    )
+    for both, n_loads in (((long, short), 10), ((short, long), 10), ((long, long), 20)):
+        moved, notes = gathered_alike(both)
+        assert len({load for campaign in moved for load in campaign.load_factor.tolist()}) == n_loads
+        assert f"gathered around {n_loads} loads" in notes[0]
+
+
+def test_a_course_of_the_temperature_goes_with_the_time_whatever_the_order_of_the_rows():
+    campaign = measured(1, repeats=5, loads=(0.0, 2.0, 1.0))
+    warm = replace(campaign, temperature=290.0 + campaign.time / 10.0)
+    order = np.random.default_rng(0).permutation(len(campaign.test))
+    rows = {name: getattr(warm, name)[order] for name in ("load_factor", "states", "readings", "time", "temperature")}
+    mixed = replace(warm, test=tuple(warm.test[k] for k in order), **rows)
+    later = warm.time - warm.time[0]
+    courses = [_histories(one) for one in (warm, mixed)]
+    for course in courses:
+        assert np.array(course["warming"]) == pytest.approx(np.column_stack([later, later / 100.0]))
+        assert course["direction"] == ((0.0, 0.0), (30.0, 1.0), (60.0, -1.0))
 
 
 @pytest.mark.parametrize(("n_few", "left_out"), [(7, 7), (8, 0)])
@@ -163,6 +224,19 @@ def test_rows_around_a_load_that_are_too_few_for_a_line_are_left_out(n_few, left
     assert (f"{left_out} rows with too few like them are left out" in notes[0]) == (left_out > 0)
     assert np.array_equal(same.readings, steady.readings)
     assert np.unique(moved.load_factor).tolist() == ([20.0] if left_out else [20.0, 60.0])
+
+
+def test_a_model_is_looked_at_by_a_few_of_many_loads_and_each_row_beside_the_nearest():
+    forces = np.random.default_rng(0).permutation(np.linspace(1.0, 9.0, 200) ** 2)
+    series = gathered(SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in forces.tolist()])
+    found = looked_at(series)
+    loads = np.array([float(load) if isinstance(load, float) else load["force"] for load, _ in found])
+    assert len(loads) == MOST_LOADS
+    assert (loads.min(), loads.max()) == (1.0, 81.0)
+    for load, (_, rows) in zip(loads, found, strict=True):
+        apart = np.abs(forces[rows][:, None] - loads)
+        assert (apart.min(axis=1) == np.abs(forces[rows] - load)).all()
+    assert sorted(np.concatenate([rows for _, rows in found])) == list(range(200))
 
 
 @pytest.mark.parametrize(("nominal", "sign"), [(5.0, 1.0), (14.0, -1.0)])
@@ -215,3 +289,60 @@ def test_trends_of_one_pattern_over_the_gauges_are_no_noise():
     by_chance = [np.stack([row, row]) for row in own]
     alike = [np.stack([row + rng.standard_normal() * pattern, row]) for row in own]
     assert (_has_trend(by_chance), _has_trend(alike), _has_trend(by_chance[:2])) == (True, False, False)
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_every_hypothesis_weighs_what_its_definition_says(n):
+    """Prior times density, the sizes and the difference at each of their scales; the unknown is any of its fields."""
+    names = ["lift_distribution", "temperature_gradient", "large_deflection"][:n]
+    twin = Beam(effects={name: own_effects()[name] for name in names})
+    lift, odd = twin.effects["lift_distribution"], 8.0 * np.cos(np.arange(20))
+    campaign = measured(2, lambda state, load, time: 1.5 * lift.signature(twin, state, load) + odd, mesh=0.02)
+    inputs = prepare(campaign, twin, twin.effects)[0]
+    inputs = replace(inputs, noises=inputs.noises[:1])  # no walk
+    weights = {}
+    for level, share in OF_MODELS.items():
+        model = linearise(inputs, np.zeros((4, 2)), level)
+        gauge, x = model.gauge, np.array(model.loads) / 3.0
+        scale, same = inputs.frame.scale[gauge], gauge[:, None] == gauge
+        smooth = inputs.frame.along(SMOOTH)[np.ix_(gauge, gauge)] + 1e-6 * same
+        courses = [np.ones_like(x), np.sign(x), np.sqrt(x), x, x**2]
+        fields = [np.outer(course, course) * field for field in (same, smooth) for course in courses]
+        fields.append(same * (np.exp(-2.0 * (x[:, None] - x) ** 2) + 1e-6 * (x[:, None] == x)))
+        every = [size**2 * np.outer(scale, scale) * field for field in fields for size in SIZES]
+
+        def evidence(members, added=0.0, model=model):
+            columns = model.signatures[:, members] * inputs.priors.sd[members]
+            parts = [columns * scales for scales in product(SCALES, repeat=len(members))]
+            spreads = [model.covariance + added + part @ part.T for part in parts]
+            logs = [multivariate_normal.logpdf(model.residual, cov=spread) for spread in spreads]
+            return logsumexp(logs) - log(len(logs))
+
+        alone = [evidence([], field) for field in every]
+        likely, kinds = every[int(np.argmax(alone))], log(len(every))
+        prior = inputs.noises[0].log_share + log(share)
+        weights[level, (), True] = prior + log(inputs.odds.unknown[0]) + logsumexp(alone) - kinds
+        for k in range(min(n, 2) + 1):
+            for members in combinations(range(n), k):
+                own = prior - log(comb(n, k))
+                weights[level, members, False] = own + log(inputs.odds.count[k]) + evidence(list(members))
+                if k:
+                    beside = log(inputs.odds.unknown[k]) + evidence(list(members), likely) - kinds
+                    weights[level, members, True] = own + beside
+    found, total = attribute(inputs), logsumexp(list(weights.values()))
+    assert found.log_total == pytest.approx(total, abs=1e-6)
+    for judged in found.judged:
+        logs = [weights[level, judged.members, judged.has_unknown] for level in OF_MODELS]
+        assert judged.probability == pytest.approx(np.exp(logs - total).sum(), rel=1e-6)
+    assert len(found.judged) == len(weights) / 2
+
+
+def test_the_next_test_separates_the_causes_of_the_library_whatever_the_unknown_weighs():
+    found = diagnose(measured(5, lambda state, load, time: -0.03 * Beam().predict(state, load)), Beam()).posterior
+    of_library = [judged for judged in found.judged if not judged.has_unknown][1:4]
+    shares = list(zip(of_library, (0.5, 0.3, 0.2), strict=True))
+    alone, beside = ([judged.times(0.0, part * share) for judged, share in shares] for part in (1.0, 0.06))
+    unknown = next(judged for judged in found.judged if judged.has_unknown).times(0.0, 0.94)
+    tests = next_tests(found.model, alone, None)
+    assert tests
+    assert next_tests(found.model, [unknown, *beside], None) == tests

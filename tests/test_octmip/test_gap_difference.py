@@ -4,7 +4,6 @@ from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal
 
 from octmip.errors import DataError, TwinError
 from octmip.gap import CHAIN, CachedTwin, Campaign, diagnose
@@ -25,24 +24,6 @@ def prepared(campaign, run=RUN):
 
 def states_of(campaign):
     return np.array([cell.state for cell in campaign.cells])
-
-
-@pytest.mark.parametrize("level", [1.0, 2.0])
-@pytest.mark.parametrize("states", [((0.0, 0.0),), ((0.0, 0.0), (0.3, 0.2))])
-def test_the_evidence_is_the_dense_density_of_run_and_campaign_together(states, level):
-    campaign = measured(3, states=states)
-    inputs = prepared(campaign)
-    model = linearise(inputs, states_of(campaign), level)
-    difference, run = inputs.difference.at(level), inputs.run
-    own, of_run = model.means.rows, run.means.rows
-    covariance = np.block(
-        [
-            [run.noise + difference.covariance(of_run, of_run), difference.covariance(of_run, own)],
-            [difference.covariance(own, of_run), model.noise + difference.covariance(own, own)],
-        ]
-    )
-    residual = np.concatenate([run.residual, model.means.measured - model.means.predicted])
-    assert model.log_none == pytest.approx(multivariate_normal.logpdf(residual, cov=covariance), abs=1e-4)
 
 
 def test_a_run_may_list_its_gauges_in_another_order():

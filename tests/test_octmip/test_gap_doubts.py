@@ -1,16 +1,21 @@
 """What a diagnosis doubts: a commissioning run, a stated state, a unit."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
+from scipy.special import logsumexp
+from scipy.stats import multivariate_normal
 
 from octmip.errors import DataError
 from octmip.gap import diagnose
 from octmip.gap.inference import wrong_run
+from octmip.gap.inference.candidates import SCALES
+from octmip.gap.inference.difference import ALL_GAUGES
 from octmip.gap.inference.inputs import OF_MODELS, STATED, levels_without_run, prepare
 from octmip.gap.inference.linear_model import linearise
-from octmip.gap.inference.wrong_run import WrongRun, corrected
+from octmip.gap.inference.wrong_run import NODE_SPREAD, WrongRun, corrected
 from octmip.gap.odds import Differences, Odds
 from tests.test_octmip.beam_twin import Beam, measured, own_effects
 
@@ -23,16 +28,29 @@ def stated_sound(campaign):
     return replace(campaign, states=np.zeros_like(campaign.states))
 
 
+def stiffer(share):
+    return lambda state, load, time: share * TWIN.predict(state, load)
+
+
+def crossed(campaign, one, other):
+    readings = np.array(campaign.readings)
+    readings[:, [one, other]] = readings[:, [other, one]]
+    return replace(campaign, readings=readings)
+
+
 @pytest.mark.parametrize(
     ("run", "words"),
     [
         (stated_sound(measured(1001, states=((0.3, 0.0),))), "those of the state mu1 0.3"),
-        (measured(1002, HOT), "temperature uniform, 10.3 K, acted while it was taken"),
+        (measured(1002, HOT), "temperature uniform, 10.5 K, acted while it was taken"),
+        (measured(31000, stiffer(0.05)), "modulus, -5 %, acted while it was taken"),
+        (crossed(measured(31001), 0, 15), "exchanged wires of gauges g01 and g16"),
     ],
-    ids=["damaged", "warm"],
+    ids=["damaged", "warm", "another load cell", "crossed wires"],
 )
 def test_a_wrong_commissioning_run_is_doubted_and_accuses_no_sound_asset(run, words):
-    diagnosis = diagnose(measured(2), TWIN, commissioning=run)
+    """Before: with another load cell the sound asset was accused of a modulus in 12 of 12 draws."""
+    diagnosis = diagnose(measured(21000), TWIN, commissioning=run)
     assert diagnosis.is_sound
     assert words in diagnosis.doubts[0]
     assert diagnosis.notes[0] == diagnosis.doubts[0]
@@ -124,37 +142,6 @@ def test_the_fewest_odds_of_a_count_are_used():
     assert not diagnose(measured(3, HOT), TWIN, commissioning=RUN, odds=Odds(count=(0.9,))).which[0].parameters
 
 
-# A wrong commissioning run is doubted where it accuses a sound asset; a right one beside a real effect is not
-
-
-TWIN = Beam()
-
-
-def stiffer(share):
-    return lambda state, load, time: share * TWIN.predict(state, load)
-
-
-def crossed(campaign, one, other):
-    readings = np.array(campaign.readings)
-    readings[:, [one, other]] = readings[:, [other, one]]
-    return replace(campaign, readings=readings)
-
-
-@pytest.mark.parametrize(
-    ("run", "words"),
-    [
-        (measured(31000, stiffer(0.05)), "modulus, -5 %, acted while it was taken"),
-        (crossed(measured(31001), 0, 15), "exchanged wires of gauges g01 and g16"),
-    ],
-    ids=["another load cell", "crossed wires"],
-)
-def test_a_run_of_a_wrong_load_cell_or_of_crossed_wires_is_doubted(run, words):
-    """Before: with another load cell the sound asset was accused of a modulus in 12 of 12 draws."""
-    diagnosis = diagnose(measured(21000), TWIN, commissioning=run)
-    assert diagnosis.is_sound
-    assert words in diagnosis.doubts[0]
-
-
 def test_a_run_is_doubted_beside_a_channel_that_is_left_out():
     """Before: the run had a gauge more than the campaign, and an IndexError ended the diagnosis."""
     campaign = measured(21000)
@@ -187,14 +174,73 @@ def test_a_run_is_trusted_or_left_out_as_told():
     assert "left out, as it is not to be trusted" in left.notes[0]
 
 
-def test_what_may_have_been_wrong_shares_one_probability(monkeypatch):
-    campaign = measured(21000)
-    inputs = prepare(campaign, TWIN, dict(TWIN.effects), measured(31000))[0]
-    model = linearise(inputs, np.array([cell.state for cell in campaign.cells]))
-    for kind in ("_by_effect", "_by_state", "_by_asset"):
-        monkeypatch.setattr(wrong_run, kind, lambda *_: WrongRun(-7.0, "", None, None, None))
-    prior = inputs.odds.wrong_run * inputs.odds.count[0]
-    assert wrong_run.weigh_wrong_run(model, inputs.twin).log_weight == pytest.approx(np.log(prior) - 7.0)
+def density(rest, covariance, column=0.0, mean=0.0, sds=(1.0,)):
+    """Return the log density of rows with a column of a size ~ N(mean, sd^2), the mean over sds, and its size."""
+    column = column * np.ones(len(rest))
+    of_sd = [multivariate_normal(mean * column, covariance + sd**2 * np.outer(column, column)) for sd in sds]
+    solved, precision = np.linalg.solve(covariance, column), max(sds) ** -2.0
+    length = column @ solved + precision
+    size = (solved @ rest + precision * mean) / length, length**-0.5
+    return float(logsumexp([own.logpdf(rest) for own in of_sd])) - np.log(len(sds)), *size
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (measured(1000, stiffer(0.03)), "modulus, {:.3g} %, acted while it was taken"),
+        (stated_sound(measured(1000, states=((0.1, 0.3),))), "its readings are those of the state mu1 0.10, mu2 0.31"),
+    ],
+    ids=["effect", "state"],
+)
+def test_what_was_wrong_with_a_run_weighs_what_its_definition_says(wrong, words, monkeypatch):
+    """Run and campaign with an effect or a state in the run alone, or each alone where it is of another asset."""
+    monkeypatch.setattr(wrong_run, "grid", lambda n: np.array([[0.0, 0.0], [0.05, 0.0], [0.1, 0.3], [1.5, 0.0]]))
+    twin = Beam(effects={name: own_effects()[name] for name in ("modulus", "temperature_uniform")})
+    inputs = prepare(measured(2), twin, twin.effects, wrong)[0]
+    model, run, usual = linearise(inputs, np.zeros((4, 2))), inputs.run, inputs.usual
+    rows, noises, n = (run.means.rows, model.means.rows), (run.noise, model.noise), len(run.residual)
+    rest = np.append(run.residual, model.means.measured - model.means.predicted)
+
+    def of_run(change):
+        loads = [run.averages[k].load for k in run.means.average]
+        shown = [change(load)[k] for load, k in zip(loads, run.means.gauge, strict=True)]
+        return np.append(shown, np.zeros(model.n))
+
+    logs, usually, sizes, columns = {}, [], {}, {}
+    for k, difference in enumerate((inputs.difference, usual.at(1.0), usual.at(2.0))):
+        blocks = [[difference.covariance(a, b) + (a is b) * noises[a is rows[1]] for b in rows] for a in rows]
+        both = np.block(blocks)
+        usually.append(density(rest, both, 0.0)[0])
+        for effect in twin.effects.values():
+            column = of_run(partial(effect.signature, twin, {}))
+            log, *sizes[k, effect.name] = density(rest, both, column, 0.0, [s * effect.prior_sd for s in SCALES])
+            logs[k, effect.name], columns[effect.name] = log + np.log(0.5 / 3 / 2), column[:n]
+        for node in ((0.05, 0.0), (0.1, 0.3)):
+            damaged = dict(zip(twin.parameters, node, strict=True))
+            column = of_run(lambda load, state=damaged: twin.predict(state, load) - twin.predict({}, load))
+            log, size, _ = density(rest, both, column, 1.0, [NODE_SPREAD])
+            sizes[k, node] = size, usual.usual.damage * size
+            logs[k, node], columns[node] = log + np.log(0.25 / 3 / 2), column[:n]
+    apart = [
+        logsumexp([density(left, usual.at(level).covariance(own, own) + noise)[0] + np.log(p) for level, p in levels])
+        for left, own, noise, levels in zip(
+            (rest[:n], rest[n:]), rows, noises, ([(4.0, 0.5), (8.0, 0.5)], OF_MODELS.items()), strict=True
+        )
+    ]
+    logs["asset"] = sum(apart) + np.log(0.25)
+    found = wrong_run.weigh_wrong_run(model, inputs.twin)
+    prior = np.log(inputs.odds.wrong_run * inputs.odds.count[0])
+    assert model.log_none == pytest.approx(usually[0], rel=1e-6)
+    assert found.log_weight == pytest.approx(prior + logsumexp(list(logs.values())), abs=1e-6)
+    assert found.log_usual == pytest.approx(max(0.0, logsumexp(usually) - np.log(3.0) - usually[0]), abs=1e-3)
+    best = max(logs, key=logs.__getitem__)
+    size, sd = sizes[best]
+    assert found.correction == pytest.approx(size * columns[best[1]], abs=1e-6)
+    whole = np.hypot(found.spread, found.own_spread)
+    assert whole == pytest.approx(np.abs(sd * columns[best[1]]), abs=1e-6)
+    beside = 0.0 if best[1] == "modulus" else np.sqrt((1.0 - ALL_GAUGES) / ALL_GAUGES)
+    assert found.own_spread == pytest.approx(beside * found.spread)
+    assert found.words == words.format(size)
 
 
 def test_the_odds_of_a_wrong_run_are_an_argument():

@@ -8,6 +8,7 @@ import pytest
 
 from octmip.gap import CHAIN, diagnose
 from octmip.gap.campaign.campaign import Fault
+from octmip.gap.effects.simple import SimpleEffect
 from octmip.gap.effects.words import effect_words, words_at
 from octmip.gap.shrinkage import Shrinkage
 from octmip.interfaces.report.diagnosis.phrases import about, closed_words, interval_words, size_of
@@ -199,7 +200,7 @@ def test_every_effect_of_the_measuring_chain_has_its_words(name):
 
 def test_an_effect_without_words_is_called_by_its_name():
     own = Field("lift_of_wake", np.zeros(20), 1, 1.0)
-    assert effect_words(own) == "lift of wake"
+    assert effect_words(own) == effect_words(SimpleEffect(own.name, "%", 1.0, lambda r, size: r)) == "lift of wake"
     assert words_at(own, TWIN, "").action == "add lift of wake to the twin"
     assert words_at(own, TWIN, "0.3").name == "lift of wake at 0.3"
 

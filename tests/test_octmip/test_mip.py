@@ -152,6 +152,10 @@ def test_a_time_limit_returns_the_start_and_an_honest_bound():
     assert solution.bound < 6 == solution.objective
 
 
+def test_any_whole_number_is_a_seed():
+    assert solve_oct(uci("iris", depth=1), seed=2**31 + 5).objective == 50
+
+
 def test_a_node_limit_stops():
     assert solve_oct(uci("iris", depth=1), limits=Limits(nodes=2)).stop is Stop.NODES
 

@@ -8,7 +8,7 @@ import pytest
 from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve
 from octmip.errors import SolverError
 from octmip.trees.mip.flow import solve_flow
-from octmip.trees.mip.incumbent import pruned
+from octmip.trees.mip.incumbent import pruned, starting_tree
 from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.nodes.tree import HyperplaneSplit, Node, complexity
@@ -103,3 +103,10 @@ def test_a_tree_of_more_splits_is_never_returned(monkeypatch):
     monkeypatch.setattr(solver_call, "fitting", lambda problem, solution: solution)
     with pytest.raises(SolverError, match="the tree has 3 splits but max_splits is 1"):
         solve(stairs().replace(max_splits=1), "search")
+
+
+def test_a_start_that_does_not_pay_its_splits_is_the_best_leaf():
+    dear = stairs(leaf_penalty=50.0, max_splits=3)
+    leaf = Leaf(int(dear.class_costs().argmin()))
+    assert starting_tree(dear, STAIRS, 0) == leaf
+    assert starting_tree(stairs(), STAIRS, 0) != leaf

@@ -11,6 +11,7 @@ from benchmarks.kinds.shaped import MONOTONE_KINDS
 from octmip import Leaf, Limits, Problem, Split, certify, solve
 from octmip.errors import CertificateError, ProblemError
 from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
+from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.ordering import ordered
 from octmip.trees.nodes.order import disorder
 from octmip.trees.nodes.tree import predict
@@ -165,3 +166,9 @@ def test_a_proof_in_order_that_is_stopped_has_a_tree_no_worse_than_the_best_one_
     assert deep.objective(first.tree) == first.objective
     assert seen
     assert {state.bound for state in seen} == {-np.inf}
+
+
+def test_a_proof_in_order_without_a_tree_to_start_from_has_one_when_it_is_stopped_at_once():
+    found = branch_and_bound(asked(), limits=Limits(seconds=0.0))
+    assert found.objective == asked().objective(asked().best_leaf())
+    assert found.bound < found.objective

@@ -7,9 +7,9 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.recordings.assignment import _by_name, in_unit
-from octmip.recordings.averages import _rounded, _row_length, _tests
+from octmip.recordings.averages import _rounded, _row_length, _rows, _tests
 from octmip.recordings.recording import Channel, Recording
-from octmip.recordings.statistics import Statistic, statistic_of
+from octmip.recordings.statistics import Statistic, refuse_placeholders, statistic_of
 from octmip.recordings.windows import Window, _block_means, _creeps, ordered, steady_windows
 
 
@@ -31,6 +31,10 @@ def test_a_mean_is_worth_the_samples_that_do_not_remember_one_another(memory):
     assert (found.mean, found.sd) == pytest.approx((inside.mean(), inside.std(ddof=1)))
     assert found.effective == pytest.approx(len(inside) * (1.0 - lag) / (1.0 + lag))
     assert (found.effective == len(inside)) == (memory < 0.0)
+
+
+def test_a_sample_is_valid_where_it_is_a_number_and_its_file_says_so():
+    assert channel([1.0, np.nan, 2.0], valid=np.array([True, True, False])).is_valid.tolist() == [True, False, False]
 
 
 def test_windows_may_touch_but_not_overlap_and_come_in_the_order_of_time():
@@ -113,3 +117,26 @@ def test_a_channel_is_converted_into_its_unit_and_one_without_is_taken_as_it_is(
     assert (bare.values.tolist(), bare.unit) == ([1.0, 2.0], "N")
     with pytest.raises(DataError, match="is in 'V'; expected N"):
         in_unit(channel([1.0], unit="V"), "N")
+
+
+@pytest.mark.parametrize(
+    ("others", "is_refused"), [([-9999.0] * 2, True), ([1012.0] * 2, True), ([-9999.0], False), ([0.0, 0, 1, 2], False)]
+)
+def test_one_or_two_numbers_far_off_that_come_again_are_no_readings(others, is_refused):
+    values = np.append(np.random.default_rng(0).normal(1000.0, 0.1, 100), others)
+    check = lambda: refuse_placeholders({"g": channel(values)}, Window(0.0, 200.0))  # noqa: E731
+    if is_refused:
+        with pytest.raises(DataError, match=f"holds {others[0]:g} 2 times .* where g is about 1000"):
+            check()
+    else:
+        check()
+
+
+def test_a_slow_channel_has_gaps_in_the_rows_of_a_fast_one():
+    channels = {"fast": channel(np.arange(100.0)), "slow": channel(np.arange(4.0), step=25.0)}
+    window = Window(0.0, 100.0)
+    found = {name: statistic_of(one, window) for name, one in channels.items()}
+    rows = _rows(channels, found, window, 10.0)
+    assert rows["fast"].tolist() == [10.0 * k + 4.5 for k in range(10)]
+    assert rows["slow"].dropna().to_dict() == {0: 0.0, 2: 1.0, 5: 2.0, 7: 3.0}
+    assert len(_rows(channels, found, window, 0.1)) == 100

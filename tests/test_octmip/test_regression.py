@@ -130,6 +130,17 @@ def test_linear_leaves_and_planes_find_what_made_the_data():
     assert found.objective < 0.2 * solve(Problem(features, targets, depth=1, loss=SquaredError())).objective
 
 
+def test_numbers_of_features_in_other_units_have_the_same_plane():
+    rng = np.random.default_rng(4)
+    features = rng.normal(size=(80, 4))
+    targets = np.sign(features @ [1.0, -0.8, 0.6, 0.0]) + 0.1 * rng.normal(size=80)
+    units = 2.0 ** np.array([9.0, -7.0, 0.0, 4.0])
+    options = {"depth": 1, "split": "hyperplane", "split_size": 2, "loss": SquaredError()}
+    plain, scaled = (solve(Problem(values, targets, **options), "search") for values in (features, features * units))
+    assert scaled.objective == plain.objective
+    assert scaled.tree.features == plain.tree.features
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

@@ -31,44 +31,6 @@ VALUES = [
 ]
 
 
-def extreme_problem(rng):
-    """Return a small problem of values at the ends of float64, neighbours, ties and constants."""
-    n, p = int(rng.integers(2, 14)), int(rng.integers(1, 4))
-    columns = [
-        lambda: rng.choice(VALUES, n),
-        lambda: np.full(n, rng.choice(VALUES)),
-        lambda: 1.0 + np.spacing(1.0) * rng.integers(0, 4, n),
-        lambda: rng.normal(size=n) * 10.0 ** rng.integers(-320, 307),
-        lambda: rng.choice([-1.0, 1.0], n) * 10.0 ** rng.uniform(-323, 308, n),
-        lambda: rng.integers(0, 3, n).astype(float),
-    ]
-    features = np.stack([columns[rng.integers(len(columns))]() for _ in range(p)], axis=1)
-    labels = rng.integers(0, 2, n)
-    labels[:2] = [0, 1]
-    options = {
-        "depth": int(rng.integers(1, 4)),
-        "weights": [None, rng.integers(0, 3, n) + np.eye(1, n)[0], 10.0 ** rng.uniform(-12, 12, n)][rng.integers(3)],
-        "leaf_penalty": float(rng.choice([0.0, 0.5, 1e-9, 1e300])),
-        "leaf_size": int(rng.integers(1, max(2, n // 3))),
-    }
-    if rng.random() < 0.25:
-        options["allowed_splits"] = [[0], sorted({0, p - 1})]
-    if rng.random() < 0.25:
-        options["sensor_budget"] = 1.0
-    if rng.random() < 0.75:
-        options |= {"split": "hyperplane", "split_size": [None, 1, 2, 3][rng.integers(4)]}
-        options["integer_normals"] = [None, None, 1, 7, 2**53][rng.integers(5)]
-    return Problem(features, labels, **options)
-
-
-def test_problems_at_the_ends_of_float64_get_certified_trees_without_a_warning():
-    rng = np.random.default_rng(21)
-    for seed in range(80):
-        problem = extreme_problem(rng)
-        solution = local_search(problem, seed=seed, options=SearchOptions(restarts=2, perturbations=4))
-        certify(problem, solution)
-
-
 def test_features_in_other_units_by_powers_of_two_get_the_same_tree():
     rng = np.random.default_rng(22)
     features, labels = rng.normal(size=(60, 3)), rng.integers(0, 2, 60)

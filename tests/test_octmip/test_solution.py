@@ -57,6 +57,11 @@ def test_a_negative_limit_is_refused(name, value):
         Limits(**{name: value})
 
 
+def test_a_bound_that_is_known_besides_counts_up_to_the_objective_and_proves_there():
+    known = [solution().with_bound(bound) for bound in (7.0, 9.0, 12.0)]
+    assert [(one.bound, one.stop) for one in known] == [(8.0, Stop.TIME), (9.0, Stop.TIME), (10.0, Stop.OPTIMAL)]
+
+
 def test_a_solution_prints_what_was_found_and_proven():
     tree = Split(0, 2.5, Leaf(1), HyperplaneSplit((0, 2), (1.0, -0.5), 3.0, Leaf(0), Leaf(1)))
     assert str(solution(tree=tree)).splitlines() == [

@@ -25,6 +25,19 @@ def test_numbers_are_read_to_the_last_bit(tmp_path):
     assert (read_table(path).numbers(["x"])[:, 0] == values).all()
 
 
+@pytest.mark.parametrize(
+    ("text", "columns", "told"),
+    [
+        ("t\tforce\tComment\n0\t5\n1\t6\n", {"t": [0, 1], "force": [5, 6]}, ""),
+        ("x,y\n1,2\n3,4\ny,x\n6,5\n", {"x": [1, 3, 5], "y": [2, 4, 6]}, "another order below line 4"),
+    ],
+)
+def test_a_comment_without_cells_and_another_order_of_columns_are_read(tmp_path, text, columns, told):
+    table = read_table(csv_file(tmp_path, text))
+    assert table.frame.to_dict("list") == columns
+    assert told in " ".join(table.notes)
+
+
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
 def test_columns_come_as_numbers_and_labels(tmp_path, suffix):
     frame = pd.DataFrame({"x": [1.5, 2.5], "n": [1, 2], "b": [True, False], "y": ["NA", "None"]})

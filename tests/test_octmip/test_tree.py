@@ -36,6 +36,10 @@ def test_a_sample_on_the_hyperplane_goes_left_and_products_are_added_from_the_fi
     assert goes_left(split, np.array([[1.0, 1e16, -1e16]])).tolist() == [True]
 
 
+def test_a_tree_prints_its_rule():
+    assert str(Split(0, 2.5, Leaf(1), Leaf(0))) == "if x0 <= 2.5\n    class 1\nelse\n    class 0"
+
+
 def test_leaves_are_numbered_from_the_left():
     points = np.array([[0, -1, 0], [9, -1, 0], [0, 1, 0], [9, 1, 0]], dtype=float)
     assert leaf_index(TREE, points).tolist() == [0, 1, 2, 3]

@@ -1,4 +1,4 @@
-"""Windows of steady load: where they are, where there are none, and what a mean in them is worth."""
+"""Windows of steady load: where they are, and where there are none."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,6 @@ import pytest
 from octmip.errors import DataError
 from octmip.formats.table.units import factor_between
 from octmip.recordings import Channel, Window
-from octmip.recordings.statistics import statistic_of
 from octmip.recordings.windows import moving, ordered, steady_windows, window_of
 
 TIME = np.arange(0.0, 100.0, 0.01)
@@ -39,8 +38,8 @@ def test_every_plateau_is_a_window_within_its_ends(values):
     windows, _ = found(values)
     assert len(windows) == 5
     for (start, end), (first, last) in zip(windows, ENDS, strict=True):
-        assert first - 0.5 <= start < first + 0.8
-        assert last - 0.8 < end <= last + 0.5
+        assert first - 0.3 <= start < first + 0.8
+        assert last - 0.8 < end <= last + 0.3
 
 
 @pytest.mark.parametrize(
@@ -78,20 +77,6 @@ def test_a_gap_and_bad_samples_of_the_load_end_a_window():
     values = np.where((TIME > 28.0) & (TIME < 31.0), np.nan, STAIRS)
     windows, _ = steady_windows([load(values[keep], TIME[keep])])
     assert [round(one.start) for one in windows] == [0, 9, 22, 31, 42, 62, 82]
-
-
-def test_a_mean_of_samples_that_remember_is_worth_as_many_as_its_variance_says():
-    rng, r, means, worth = np.random.default_rng(5), 0.8, [], []
-    for _ in range(300):
-        values = np.zeros(500)
-        for k, shock in enumerate(rng.standard_normal(500)):
-            values[k] = r * values[k - 1] + shock
-        one = statistic_of(load(values, np.arange(500.0)), Window(100.0, 500.0))
-        means.append(one.mean)
-        worth.append(one.effective)
-    variance = 1.0 / (1.0 - r**2)
-    assert np.median(worth) == pytest.approx(variance / np.var(means), rel=0.2)
-    assert np.median(worth) == pytest.approx(400 * (1 - r) / (1 + r), rel=0.1)
 
 
 def test_windows_that_are_given_are_ordered_and_a_load_that_moves_is_told():
