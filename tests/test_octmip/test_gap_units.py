@@ -10,6 +10,7 @@ from scipy import constants
 from octmip.errors import DataError, TwinError
 from octmip.formats.table.units import factor_between
 from octmip.gap import CachedTwin, Recorded, diagnose, function_twin, gathered, read_campaign
+from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.doors.card import Range
 from octmip.gap.doors.function import parameter_effect
 from octmip.gap.effects import chain_of
@@ -93,6 +94,10 @@ def tower(seed, size=0.0, twin=Tower(), change=None):
 
 def pulled(twin, force, readings):
     return gathered(twin, [Recorded(row, {"force": f}, "pull") for f, row in zip(force, readings, strict=True)])
+
+
+def test_gauges_of_two_units_are_no_noisier_than_one_another():
+    assert [estimate_noise(tower(seed)).findings for seed in range(3)] == [(), (), ()]
 
 
 @pytest.fixture(scope="module")

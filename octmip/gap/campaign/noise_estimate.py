@@ -61,7 +61,7 @@ def estimate_noise(campaign: Campaign, fallback: Campaign | None = None) -> Nois
     parts, inflation, independent = parts_of(blocks)
     scale = _scales(scatter, inflation / independent)
     kurtosis, heavy = _kurtosis(scatter, inflation)
-    uneven = any(abs(s - 1.0) > 1e-9 for s in scale.values()) or _gauges_differ(scatter, kurtosis, inflation)
+    uneven = any(abs(s - 1.0) > 1e-9 for s in scale.values()) or _gauges_differ(campaign, scatter, kurtosis, inflation)
     names = {
         "heavy_tailed_noise": heavy,
         "heteroscedastic_noise": uneven,
@@ -250,9 +250,11 @@ def _kurtosis(scatter: _Scatter, inflation: float) -> tuple[float, bool]:
     return excess, excess > max(0.5, SIGNIFICANT * np.sqrt(24.0 * inflation / degrees))
 
 
-def _gauges_differ(scatter: _Scatter, kurtosis: float, inflation: float) -> bool:
-    """Return whether some gauge is noisier than the others (maximum of log ratios, corrected for tails and number)."""
+def _gauges_differ(campaign: Campaign, scatter: _Scatter, kurtosis: float, inflation: float) -> bool:
+    """Return whether some gauge is noisier than the others of its unit, corrected for tails and number."""
     variance, degrees = scatter.own[scatter.usable], scatter.degrees[scatter.usable]
+    units = np.array([campaign.unit_of(name) for name in scatter.gauges])[scatter.usable]
+    typical = np.array([np.median(variance[units == unit]) for unit in units])
     spread = np.sqrt((2.0 + max(0.0, kurtosis)) * inflation / np.maximum(degrees, 1))
-    z = np.abs(np.log(variance / np.median(variance))) / spread
+    z = np.abs(np.log(variance / typical)) / spread
     return bool(z.max() > SIGNIFICANT + 0.5)

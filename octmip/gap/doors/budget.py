@@ -109,7 +109,7 @@ def within(twin: FunctionTwin, campaigns: Sequence[Campaign], budget: Budget) ->
         else:
             error = next(r for _, rows in ends[column] for r in rows if isinstance(r, TwinError))
             notes.append(f"The parameter {asked.names[column]} is left out: {error}.")
-    stand_in = _StandIn.of(asked, np.array(bases), here, columns)
+    stand_in = _stand_in(asked, np.array(bases), here, columns)
     left = {name: own for name, own in twin.card.ranges.items() if asked.names.index(name) in [c for c, *_ in columns]}
     kept = [effect for name, effect in twin.effects.items() if name not in twin.card.ranges]
     told = f"The model answered {asked.n_new} questions (budget {budget.calls}); all else follows from these answers."
@@ -289,66 +289,34 @@ def _read(path: str | Path, names: Sequence[str], readings: Sequence[str]) -> di
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _StandIn:
-    """The function that stands for a model.
+def _stand_in(asked: _Questions, bases: Floats, here: Floats, moved: Sequence[tuple[int, Floats, Floats]]) -> Function:
+    """Return the function that stands for a model.
 
-    Attributes
+    Parameters
     ----------
-    names
-        of all inputs.
-    first
-        column of the first state or load.
+    asked
+        the questions.
     bases, here
-        (m, n_inputs) and (m, n_readings) where it was asked.
-    columns, slopes, bends
-        (k,) inputs that were moved; (k, m, n_readings).
-    extent
-        (n_inputs,) range of each input over the bases.
-    fixed
-        parameters that are left out.
+        (m, n_inputs) and (m, n_readings) where the model was asked, and its answers there.
+    moved
+        columns that were moved, with their slopes and bends (m, n_readings).
     """
+    ranges, extent = asked.twin.card.ranges, np.ptp(bases, axis=0)
+    extent = np.where(extent > 0.0, extent, np.maximum(np.abs(bases).max(axis=0), 1.0))
+    columns = [column for column, *_ in moved]
+    slopes, bends = (np.array([one[k] for one in moved]).reshape(len(moved), *here.shape) for k in (1, 2))
+    fixed = {name: own.nominal for k, (name, own) in enumerate(ranges.items()) if k not in columns}
+    settings = slice(len(ranges), None)
 
-    names: tuple[str, ...]
-    first: int
-    bases: Floats
-    here: Floats
-    columns: NDArray[np.int64]
-    slopes: Floats
-    bends: Floats
-    extent: Floats
-    fixed: Numbers
-
-    @classmethod
-    def of(
-        cls,
-        asked: _Questions,
-        bases: Floats,
-        here: Floats,
-        moved: Sequence[tuple[int, Floats, Floats]],
-    ) -> "_StandIn":
-        """Return that of slopes and bends (m, n_readings) of some columns."""
-        ranges, extent = asked.twin.card.ranges, np.ptp(bases, axis=0)
-        extent = np.where(extent > 0.0, extent, np.maximum(np.abs(bases).max(axis=0), 1.0))
-        columns = np.array([column for column, *_ in moved], dtype=np.int64)
-        slopes, bends = (np.array([one[k] for one in moved]).reshape(len(moved), *here.shape) for k in (1, 2))
-        lost = {name: own.nominal for k, (name, own) in enumerate(ranges.items()) if k not in columns}
-        return cls(tuple(asked.names), len(ranges), bases, here, columns, slopes, bends, extent, lost)
-
-    def __call__(self, parameters: Mapping[str, float], loads: Mapping[str, float]) -> Floats:
-        """Return the readings (n_readings,).
-
-        Raises
-        ------
-        TwinError
-            a state or a load far from all at which the model was asked.
-        """
-        given = {**self.fixed, **parameters, **loads}
-        point = np.array([given[name] for name in self.names])
-        apart = np.linalg.norm(((point - self.bases) / self.extent)[:, self.first :], axis=1)
+    def function(parameters: Mapping[str, float], loads: Mapping[str, float]) -> Floats:
+        given = {**fixed, **parameters, **loads}
+        point = np.array([given[name] for name in asked.names])
+        apart = np.linalg.norm(((point - bases) / extent)[:, settings], axis=1)
         base = int(np.argmin(apart))
         if apart[base] > BEYOND:
-            named = ", ".join(f"{name} {given[name]:g}" for name in self.names[self.first :])
+            named = ", ".join(f"{name} {given[name]:g}" for name in asked.names[settings])
             raise TwinError(f"the model was not asked near {named}: its budget went to the loads of run and campaign")
-        moved = (point - self.bases[base])[self.columns]
-        return np.asarray(self.here[base] + moved @ self.slopes[:, base] + moved**2 @ self.bends[:, base])
+        step = (point - bases[base])[columns]
+        return np.asarray(here[base] + step @ slopes[:, base] + step**2 @ bends[:, base])
+
+    return function

@@ -5,7 +5,6 @@ The change of a reading r of typical size s, at the time t from the start, per u
 | who | weight |
 |---|---|
 | one | 1 for the readings of one instrument |
-| batch | 1 for the readings of one batch or cable: the twin names them as `batches`, a mapping to gauges |
 | unit | 1 for all readings of one unit |
 | along, across | -1 to 1 along the longest, the second longest axis of the structure, for all readings of one unit |
 
@@ -58,7 +57,6 @@ LAW_WORDS = {
 }
 WHO_WORDS = {
     "one": "of one gauge",
-    "batch": "of the gauges on one cable",
     "unit": "common to all gauges",
     "along": "that varies along the structure",
     "across": "that varies across the structure",
@@ -79,14 +77,6 @@ CELLS: Mapping[str, tuple[tuple[str, str], ...]] = {
         ("steady", "square"),
         ("steady", "threshold"),
         ("direction", "constant"),
-    ),
-    "batch": (
-        ("steady", "constant"),
-        ("linear", "constant"),
-        ("power", "constant"),
-        ("settling", "constant"),
-        ("steady", "proportional"),
-        ("linear", "proportional"),
     ),
     "unit": (
         ("steady", "constant"),
@@ -189,14 +179,12 @@ class Cell:
     history: History = ()
 
     def places(self, twin: Twin) -> tuple[str, ...]:
-        """Return the instruments, the batches, or the whole."""
+        """Return the instruments, or the whole."""
         own = self._own(twin)
         if self.who == "one":
             return tuple(
                 dict.fromkeys(channel for channel, is_own in zip(channels_of(twin), own, strict=True) if is_own)
             )
-        if self.who == "batch":
-            return tuple(_batches(twin))
         return ("",) if sum(own) > 1 or not self.unit else ()
 
     def change_here(self, moment: Moment) -> Floats:
@@ -211,8 +199,6 @@ class Cell:
         own = np.array(self._own(twin), dtype=np.float64)
         if self.who == "one":
             return np.asarray(own * (np.array(channels_of(twin)) == np.array(places)[:, None]))
-        if self.who == "batch":
-            return np.array([own * np.isin(twin.gauges, _batches(twin)[place]) for place in places])
         along = on_axis(twin, AXES.index(self.who)) if self.who in AXES else 1.0
         return np.tile(own * along, (len(places), 1))
 
@@ -252,15 +238,9 @@ def on_axis(twin: Twin, rank: int) -> Floats:
     return np.asarray(2.0 * (places[:, axis] - places[:, axis].min()) / extent[axis] - 1.0)
 
 
-def _batches(twin: Twin) -> Mapping[str, list[str]]:
-    """Return the gauges of each batch or cable by its name; none for a twin that does not say them."""
-    return {name: list(gauges) for name, gauges in getattr(twin, "batches", {}).items()}
-
-
 def families_of(twin: Twin, typical: Mapping[str, float], histories: Mapping[str, History]) -> list[ChainEffect]:
     """Return the cells for a twin's readings, given the typical reading of each unit and the campaign's own courses."""
-    missing = set() if _batches(twin) else {"batch"}
-    missing |= {who for rank, who in enumerate(AXES) if not on_axis(twin, rank).any()}
+    missing = {who for rank, who in enumerate(AXES) if not on_axis(twin, rank).any()}
     every = list(units_of(twin))
     units = list(dict.fromkeys(every))
     cells = [(who, course, law) for who, own in CELLS.items() if who not in missing for course, law in own]
@@ -314,7 +294,7 @@ def _family(
             said |= OF_CHANNEL[said["name"]]
             said["words"] += "" if is_only else f" in {unit}"
     said["name"] += ending
-    if who in ("one", "batch"):
+    if who == "one":
         said["words_at"] = placed(said["words"]).removesuffix(f" in {unit}")
     own = Cell(*cell, unit, typical, history)
     return ChainEffect(

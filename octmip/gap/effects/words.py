@@ -42,8 +42,8 @@ def effect_words(effect: Effect) -> str:
 
 
 def placed(called: str) -> str:
-    """Return what an effect is called at a place: one gauge, cable or channel is then that of the place."""
-    return re.sub(r"\bone (gauge|cable)\b", r"\1 {place}", called).replace("one channel", "{place}")
+    """Return what an effect is called at a place: one gauge or channel is then that of the place."""
+    return called.replace("one gauge", "gauge {place}").replace("one channel", "{place}")
 
 
 def words_at(effect: Effect, twin: Twin, place: str) -> EffectWords:

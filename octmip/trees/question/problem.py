@@ -49,7 +49,7 @@ class ShapeKeywords(TypedDict, total=False):
     leaf_size: int
     leaf_weight: float | None
     leaf_penalty: float
-    sensor_of_feature: Sequence[str] | None
+    sensor_of_feature: Mapping[str, str] | Sequence[str] | None
     sensor_cost: Mapping[str, float] | Sequence[float] | None
     sensor_budget: float | None
     allowed_splits: Sequence[Sequence[str | int]] | None

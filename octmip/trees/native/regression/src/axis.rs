@@ -69,7 +69,7 @@ pub(crate) struct Axis {
 impl Axis {
     /// Lay out the cuts of feature `f`; the children have up to `n_leaves` leaves.
     ///
-    /// `whole` and `whole_relaxed` are lower bounds of the child problem on all samples.
+    /// `whole`: lower bounds of the child problem on all samples, with leaves as asked and of any size.
     pub(crate) fn lay(&mut self, samples: &Samples, view: &View, f: usize, n_leaves: usize, whole: (f64, f64)) {
         self.n_leaves = n_leaves;
         self.part_size = view.len.div_ceil(N_PARTS).max(1);
