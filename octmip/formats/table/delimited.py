@@ -2,6 +2,7 @@
 
 import csv
 import io
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -200,7 +201,8 @@ def _with_first(
         both = first.astype(str) + " " + frame.iloc[:, 1].astype(str)
         out = pd.concat([both, frame.iloc[:, 2:]], axis=1)
         return out.set_axis(header, axis=1), (f"day and time are read together as the column {header[0]}",)
-    begin = layout.rows.splitlines()[row.number - 1].lstrip()[:1]
+    lines = io.StringIO(layout.rows, newline="")
+    begin = next(itertools.islice(lines, row.number - 1, None)).lstrip()[:1]
     counts = first.dtype.kind == "i" and first.tolist()[:1] in ([0], [1]) and bool((first.diff()[1:] == 1).all())
     counts = counts and (layout.separator != "," or len(first) > FEW)  # 1,5 may be a number with a decimal comma
     if not (first.is_unique and (begin == '"' or not is_value(row.cells[0]) or counts)):
