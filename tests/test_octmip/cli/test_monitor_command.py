@@ -103,7 +103,7 @@ def test_trees_of_several_states_share_the_sensors_of_a_budget():
     free = design_monitor(TWO, {}, 0.3, n_draws=12)
     bound = design_monitor(TWO, {}, 0.3, n_draws=12, budget=1.0)
     dear = design_monitor(TWO, {}, 0.3, n_draws=12, budget=1.0, costs=dict.fromkeys(bound.sensors, 2.0))
-    assert len(free.shape.sensors) > 1
+    assert len(free.sensors) > 1
     assert len(bound.sensors) == 1
     assert not set(bound.sensors) & set(dear.sensors)
     assert sum(free.off_by) < sum(bound.off_by)
