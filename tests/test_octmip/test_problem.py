@@ -299,3 +299,12 @@ def test_a_table_is_read_in_blocks_of_rows(monkeypatch):
     assert problem().digest() == whole
     p = Problem(lacking, [0, 1, 1], depth=1)
     assert (p.samples.n_missing, p.samples.features_with_missing) == (3, (0, 1))
+
+
+@pytest.mark.parametrize(
+    ("keyword", "words"),
+    [("max_depth", "takes no 'max_depth'; write depth"), ("zzz", "takes no 'zzz'; expected one of depth, split, ")],
+)
+def test_a_keyword_that_a_problem_does_not_take_is_named_with_the_one_that_is_meant(keyword, words):
+    with pytest.raises(TypeError, match=words):
+        Problem([[0.0], [1.0]], [0, 1], **{keyword: 3})

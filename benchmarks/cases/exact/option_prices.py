@@ -18,8 +18,8 @@ from benchmarks.public_tables import ordered, samples
 from benchmarks.tables import Line, markdown
 from octmip.trees.answer.solution import Solution
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.question.losses import AbsoluteError, QuantileError, SquaredError
-from octmip.trees.question.problem import Problem
+from octmip.trees.question.losses import AbsoluteError, NumberLoss, QuantileError, SquaredError
+from octmip.trees.question.problem import Problem, ShapeKeywords
 from octmip.trees.solver import solve
 
 SETTLED = ("pima-diabetes", "breast-cancer-wisconsin-diagnostic", "ct-wilt", "wine", "vertebral-column-3c", "spambase")
@@ -29,8 +29,7 @@ DEPTHS = (2, 3)
 SHORTEST = 0.005
 """CPU seconds of the least proof that is divided by: the clock's step, and what every call takes."""
 
-Options = dict[str, object]
-OPTIONS: Mapping[str, Callable[[int, int], Options]] = {
+OPTIONS: Mapping[str, Callable[[int, int], ShapeKeywords]] = {
     "leaf size 2": lambda _, __: {"leaf_size": 2},
     "leaf size 5": lambda _, __: {"leaf_size": 5},
     "leaf size 20": lambda _, __: {"leaf_size": 20},
@@ -41,10 +40,10 @@ OPTIONS: Mapping[str, Callable[[int, int], Options]] = {
     "log": lambda _, __: {},
     "log, leaf size 5": lambda _, __: {"leaf_size": 5},
 }
-OF_NUMBERS: Mapping[str, Options] = {
-    "squared, leaf size 5": {"loss": SquaredError(), "leaf_size": 5},
-    "absolute": {"loss": AbsoluteError()},
-    "0.9 quantile": {"loss": QuantileError(0.9)},
+OF_NUMBERS: Mapping[str, tuple[NumberLoss, ShapeKeywords]] = {
+    "squared, leaf size 5": (SquaredError(), {"leaf_size": 5}),
+    "absolute": (AbsoluteError(), {}),
+    "0.9 quantile": (QuantileError(0.9), {}),
 }
 
 
@@ -65,16 +64,20 @@ def results(limit: float, threads: Sequence[int], names: Sequence[str] = (), onl
             of_numbers = {}  # proofs for numbers take no missing readings
         for depth in DEPTHS:
             wanted = {
-                option: Problem(features, labels, depth=depth, **asked(len(labels), depth))  # type: ignore[arg-type]
+                option: Problem(features, labels, **_of_depth(depth, asked(len(labels), depth)))
                 for option, asked in of_classes.items()
             }
             yield from _lines(name, Problem(features, labels, depth=depth), wanted, limit)
             if of_numbers:
                 wanted = {
-                    option: Problem(columns, targets, depth=depth, **asked)  # type: ignore[arg-type]
-                    for option, asked in of_numbers.items()
+                    option: Problem(columns, targets, loss=loss, **_of_depth(depth, asked))
+                    for option, (loss, asked) in of_numbers.items()
                 }
                 yield from _lines(name, Problem(columns, targets, depth=depth, loss=SquaredError()), wanted, limit)
+
+
+def _of_depth(depth: int, shape: ShapeKeywords) -> ShapeKeywords:
+    return {**shape, "depth": depth}
 
 
 def _lines(name: str, free: Problem, wanted: Mapping[str, Problem], limit: float) -> Iterator[Line]:

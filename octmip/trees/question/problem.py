@@ -8,8 +8,9 @@ over       trees of at most `depth` levels of splits (or of any), every leaf wit
 
 import hashlib
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from difflib import get_close_matches
 from fractions import Fraction
 from typing import Any, Literal, TypedDict, Unpack
 
@@ -64,6 +65,15 @@ class ShapeKeywords(TypedDict, total=False):
     max_changes: int | None
 
 
+def _refuse_unknown_keywords(given: Iterable[str]) -> None:
+    known = list(ShapeKeywords.__annotations__)
+    for name in given:
+        if name not in known:
+            near = get_close_matches(name, known, n=1)
+            cure = f"write {near[0]}" if near else f"expected one of {', '.join(known)}, or of the samples"
+            raise TypeError(f"Problem takes no {name!r}; {cure}")
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False, init=False)
 class Problem:
     """Samples, which trees are allowed, and the loss of a prediction.
@@ -112,7 +122,15 @@ class Problem:
         ------
         ProblemError
             something is no such thing, or does not go together.
+        TypeError
+            a keyword is none of these.
+
+        Examples
+        --------
+        >>> Problem([[0.0], [1.0], [2.0]], ["low", "low", "high"], depth=1)
+        Problem(3 samples, 1 feature, 2 classes, depth=1, split='axis')
         """
+        _refuse_unknown_keywords(shape)
         loss = ClassCosts() if loss is None else loss
         if not isinstance(loss, Loss):
             raise ProblemError(f"loss is {loss!r}; expected one of octmip's, such as ClassCosts() or SquaredError()")
