@@ -1,4 +1,4 @@
-"""`python -m benchmarks.uav.mission`: the page of one mission; with --policies their table, and a picture of it."""
+"""`python -m benchmarks.uav.mission`: the page of one mission; with --policies and --watch the tables of its page."""
 
 import argparse
 import time
@@ -8,6 +8,7 @@ from benchmarks.main_program import run_main
 from benchmarks.uav.mission.aircraft import build_aircraft
 from benchmarks.uav.mission.flight import recorded
 from benchmarks.uav.mission.histories import KINDS
+from benchmarks.uav.mission.local_damage import local_rows
 from benchmarks.uav.mission.page import flight_page
 from benchmarks.uav.mission.policy_picture import picture
 from benchmarks.uav.mission.policy_table import policy_rows
@@ -31,6 +32,9 @@ def main() -> None:
         rows = policy_rows(aircraft, options.missions, options.seed, options.kinds)
         picture(rows).savefig(folder / "policies.png", dpi=110)
         print(f"\n{markdown_table(rows)}", flush=True)
+    if options.watch:
+        seed = options.seed or time.time_ns() % 2**32
+        print(f"\n{markdown_table(list(local_rows(aircraft, options.watch, seed)))}", flush=True)
     print(f"{time.perf_counter() - start:.0f} s; all lies in {folder.resolve()}")
 
 
@@ -39,6 +43,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--strains", help="published strain table (CSV); default: strains of femlib's wing")
     parser.add_argument("--pages", nargs="*", choices=KINDS, default=KINDS[:1], help="missions to play")
     parser.add_argument("--policies", action="store_true", help="print their table and draw it as well")
+    parser.add_argument("--watch", type=int, default=0, help="flights of each number of damaged and failed gauges")
     parser.add_argument("--kinds", nargs="*", choices=KINDS, default=KINDS, help="missions of the policy table")
     parser.add_argument("--missions", type=int, default=10_000, help="missions of each policy")
     parser.add_argument("--seed", type=int, default=0)

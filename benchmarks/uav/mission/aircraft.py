@@ -94,7 +94,9 @@ class Aircraft:
         levels = np.linspace(0.0, 0.8, 9).tolist()
         library = library_of(self.twin, grid_states([levels, levels]), NOISE_SD, gauges=self.gauges)
         effect = self.twin.effects["damage_outside_library"]
-        return Watch(library, effect_candidates(self.twin, effect, library, (20.0, 40.0, 80.0)))
+        assert self.twin.gauge_positions is not None
+        places = self.twin.gauge_positions[[self.twin.gauges.index(gauge) for gauge in self.gauges]]
+        return Watch(library, effect_candidates(self.twin, effect, library, (20.0, 40.0, 80.0)), places=places)
 
 
 class _EffectOfWing:

@@ -129,7 +129,10 @@ def _watch_json(seen: Seen) -> dict[str, Any]:
 
 
 def _watch_words(source: str, seen: Seen, added: str) -> list[str]:
-    lines = [f"{visible(source)}: gauge {visible(name)} is faulty and left out" for name in seen.faulty]
+    lines = [
+        f"{visible(source)}: gauge {visible(name)} is left out: it is faulty, or damage is at it alone"
+        for name in seen.faulty
+    ]
     if seen.finding is None and not seen.n_tested:
         lines.append(
             f"{visible(source)}: no reading has gauges enough to disagree with the library, so nothing was tested; "
