@@ -3,11 +3,13 @@
 from octmip.monitor.belief import Belief
 from octmip.monitor.candidates import Candidate, effect_candidates, gauge_candidates, state_candidates
 from octmip.monitor.compiled import REFUSED, CompiledTree
-from octmip.monitor.filter import Filter
+from octmip.monitor.filter import Filter, learnt_rates
 from octmip.monitor.finding import Finding, Proposal, explain
+from octmip.monitor.forecast import Forecast, remaining_life
 from octmip.monitor.growth import Growth, steady_growth
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library, grid_states, library_of
+from octmip.monitor.planner import Action, Planner
 from octmip.monitor.selector import ModelSelector, ParameterTree, Selection
 from octmip.monitor.stream import Monitor, Refusal, Result
 from octmip.monitor.surprise import leaf_p_value
@@ -15,11 +17,13 @@ from octmip.monitor.watch import MonitorState, Watch
 
 __all__ = [
     "REFUSED",
+    "Action",
     "Belief",
     "Candidate",
     "CompiledTree",
     "Filter",
     "Finding",
+    "Forecast",
     "Growth",
     "LeafLikelihood",
     "Library",
@@ -27,6 +31,7 @@ __all__ = [
     "Monitor",
     "MonitorState",
     "ParameterTree",
+    "Planner",
     "Proposal",
     "Refusal",
     "Result",
@@ -37,7 +42,9 @@ __all__ = [
     "gauge_candidates",
     "grid_states",
     "leaf_p_value",
+    "learnt_rates",
     "library_of",
+    "remaining_life",
     "state_candidates",
     "steady_growth",
 ]

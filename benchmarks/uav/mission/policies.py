@@ -2,7 +2,7 @@
 
 The paper's: fall back to 2 g when either tree's estimate exceeds 40 %. The twin's limit instead of 40 %: when a turn at
 3 g would break the wing with more than one chance in a thousand, in the state that the trees name, or with a
-probability over a level in the filter's belief. The planner weighs all later steps (`planner.py`).
+probability over a level in the filter's belief. The planner weighs all later steps (`course_plan.py`).
 """
 
 from dataclasses import dataclass
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from benchmarks.uav.mission.aircraft import CRITICAL, RATES, WEAR, Aircraft
 from benchmarks.uav.mission.capable import chance_of_failing
-from benchmarks.uav.mission.planner import Planner, cell_points
-from octmip.monitor import Belief, Filter, Finding, MonitorState, Watch, explain
+from benchmarks.uav.mission.course_plan import LOADS, cell_points, course_plan, place_of
+from octmip.monitor import Belief, Filter, MonitorState, Planner, Watch, explain
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -85,8 +85,8 @@ class Brain:
         """Return the brain of an aircraft, with n_cells x n_cells cells."""
         slow, fast = (aircraft.filter(n_cells, wear=wear) for wear in (WEAR, 1.0))
         library = fast.library
-        over = chance_of_failing(cell_points(library, aircraft.capable), 3.0) > OVER
-        planner = Planner.of(library, (slow.growth, fast.growth), aircraft.capable)
+        over = chance_of_failing(cell_points(library, aircraft.believed), 3.0) > OVER
+        planner = course_plan(library, (slow.growth, fast.growth), aircraft.believed)
         return cls((slow, fast), planner, over.mean(axis=1))
 
 
@@ -102,40 +102,37 @@ class Pilot:
         self.monitor_state: MonitorState | None = None if self.watch is None else self.watch.start(n)
         self.faulty = np.full(n, -1)
         self.is_outside = np.zeros(n, dtype=bool)
-        self.findings: dict[int, Finding] = {}
         near = np.zeros((n, 2)) if rates is None else rates
         first, second = np.abs(near[:, :, None] - np.array(RATES)).argmin(axis=2).T
         self.rate = first * len(RATES) + second  # combinations of rates, the last parameter's fastest
 
-    def decide(self, readings: Floats, loads: Floats, truth: Floats, x: Floats) -> Flags:
-        """Return who flies the next step at 2 g, after readings (n, n_gauges) at known loads (n,), at places x (n,)."""
+    def decide(self, readings: Floats, loads: Floats, truth: Floats, x: Floats, width: Floats) -> Flags:
+        """Return who flies the next step at 2 g, after readings (n, n_gauges) at known loads (n,), at x and width."""
         if self.policy.rule in ("always", "never"):
             return np.full(self.n, self.policy.rule == "always")
         if self.policy.estimator == "truth":
-            return self._knowing(truth, x)
+            return self._knowing(truth, place_of(x, width))
         if self.belief is None:
             return self._by_trees(readings, loads)
         self.belief = self._heard_of(self.belief, self._heard(readings, loads), loads)
         if self.policy.rule == "plan":
-            return self.brain.planner.is_cautious(self.belief.weights, x) | self.is_outside
-        if self.policy.rule == "limit":
-            return np.asarray(self.belief.expectation(self.brain.over) > self.policy.level) | self.is_outside
-        median = np.column_stack([self.belief.quantile(name, 0.5) for name in ("mu1", "mu2")])
-        return np.asarray((median > CRITICAL).any(axis=1)) | self.is_outside
+            return (self.brain.planner.choose(self.belief.weights, place_of(x, width)) == 0) | self.is_outside
+        return np.asarray(self.belief.expectation(self.brain.over) > self.policy.level) | self.is_outside
 
-    def _knowing(self, truth: Floats, x: Floats) -> Flags:
+    def _knowing(self, truth: Floats, places: NDArray[np.intp]) -> Flags:
         library = self.brain.filters[FAST].library
         n_cells = len(np.unique(library.states[:, 0]))
-        first, second = np.clip((truth[:, :2] / library.widths).astype(np.intp), 0, n_cells - 1).T
-        bears = self.aircraft.capable.bears(truth)
-        return np.asarray(self.brain.planner.is_cautious_knowing(bears, self.rate, first * n_cells + second, x))
+        first, second = np.clip((truth / library.widths).astype(np.intp), 0, n_cells - 1).T
+        fails = np.array([self.aircraft.capable.fails(truth, load) for load in LOADS])
+        chosen = self.brain.planner.choose_knowing(fails, self.rate, first * n_cells + second, places)
+        return np.asarray(chosen == 0)
 
     def _by_trees(self, readings: Floats, loads: Floats) -> Flags:
         selector = self.aircraft.selector
         told = np.asarray(selector.library.states[selector.compiled.labels(readings / loads[:, None])])
         if self.policy.rule == "paper":
             return np.asarray((told > CRITICAL).any(axis=1))
-        return np.asarray(self.aircraft.capable.fails(told, 3.0) > OVER)
+        return np.asarray(self.aircraft.believed.fails(told, 3.0) > OVER)
 
     def _heard_of(self, belief: Belief, readings: Floats, loads: Floats) -> Belief:
         """Return the belief after a step flown at `loads` (n,) and its readings."""
@@ -152,7 +149,6 @@ class Pilot:
         self.monitor_state = self.watch.observe(self.monitor_state, readings, loads)
         for row in np.flatnonzero(self.monitor_state.is_alarm & ~before & ~self.is_outside):
             finding = explain(self.watch, self.monitor_state, int(row))
-            self.findings[int(row)] = finding
             if finding.kind == "gauge" and self.faulty[row] < 0:
                 self.faulty[row] = self.aircraft.gauges.index(finding.name)
                 self.monitor_state = self.watch.restarted(self.monitor_state, int(row))

@@ -6,9 +6,8 @@ import numpy as np
 from scipy.stats import binomtest
 
 from benchmarks.uav.mission.aircraft import Aircraft
+from benchmarks.uav.mission.course_plan import LOST
 from benchmarks.uav.mission.histories import KINDS, draw
-from benchmarks.uav.mission.outside import example_signature
-from benchmarks.uav.mission.planner import LOST
 from benchmarks.uav.mission.policies import POLICIES, Brain, Pilot, Policy
 from benchmarks.uav.mission.simulation import Flights, fly
 
@@ -16,7 +15,7 @@ CHUNK = 1000
 """Missions flown at once: bounds memory."""
 CELLS = 10
 """Cells of the filter in each parameter: the 40 % lies on an edge, and 10^4 missions take minutes."""
-WATCHED = ("dead gauge", "outside")
+WATCHED = ("dead gauge",)
 """Missions in which the watch has something to find; elsewhere it can only raise false alarms."""
 Z = 1.959964
 
@@ -26,7 +25,6 @@ def policy_rows(aircraft: Aircraft, n: int, seed: int, kinds: Sequence[str] = KI
     read = tuple(aircraft.gauges.index(gauge) for gauge in aircraft.selector.gauges_read)
     brain = Brain.of(aircraft, CELLS)
     watch = aircraft.watch() if set(kinds) & set(WATCHED) else None
-    signature = example_signature(aircraft.gauges) if "outside" in kinds else None
     rows = []
     for kind in kinds:
         for policy in POLICIES:
@@ -37,7 +35,7 @@ def policy_rows(aircraft: Aircraft, n: int, seed: int, kinds: Sequence[str] = KI
                 rng = np.random.default_rng([seed, KINDS.index(kind), first])
                 histories = draw(kind, min(CHUNK, n - first), rng, read)
                 pilot = Pilot(policy, aircraft, histories.n, brain, watch, histories.rates)
-                flights.append(fly(aircraft, histories, pilot, rng, signature))
+                flights.append(fly(aircraft, histories, pilot, rng))
             rows.append(_row(kind, policy, flights, seed))
             print(f"{kind}, {policy.name}: {rows[-1]['lost %']} % lost, cost {rows[-1]['cost in steps']}", flush=True)
     return rows

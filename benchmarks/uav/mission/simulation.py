@@ -40,16 +40,8 @@ class Flights:
     excess: Floats
 
 
-def fly(
-    aircraft: Aircraft, histories: Histories, pilot: Pilot, rng: np.random.Generator, signature: Floats | None = None
-) -> Flights:
-    """Return what becomes of missions with these histories under a policy.
-
-    Parameters
-    ----------
-    signature
-        (n_gauges,) what a wholly damaged third region adds, microstrain per unit of load and of damage.
-    """
+def fly(aircraft: Aircraft, histories: Histories, pilot: Pilot, rng: np.random.Generator) -> Flights:
+    """Return what becomes of missions with these histories under a policy."""
     n = histories.n
     clock, excess = np.zeros(n), np.full(n, -1.0)
     x, width, load = np.zeros(n), np.zeros(n), np.full(n, 3.0)
@@ -59,8 +51,8 @@ def fly(
         truth = damage_at(histories, k, clock)
         is_on = ~is_lost & ~is_there
         # at the load of the last manoeuvre
-        readings = readings_at(aircraft, histories, k, load, rng, signature, clock)
-        is_cautious = pilot.decide(readings, load, truth, x)
+        readings = readings_at(aircraft, histories, k, load, rng, clock)
+        is_cautious = pilot.decide(readings, load, truth, x, width)
         load = np.where(is_cautious, 2.0, 3.0)
         x, width = course.advance(x, width, is_cautious)
         bears = aircraft.capable.bears(truth)
@@ -79,16 +71,11 @@ def fly(
 
 
 def damage_at(histories: Histories, step: int, clock: Floats | None = None) -> Floats:
-    """Return the true damage (n, 3): mu1, mu2 and that of the third region.
-
-    mu1 and mu2 are as old as `clock` (n,) steps at 3 g, the step's number if not given.
-    """
-    third = np.where(step >= histories.outside_from, histories.outside, 0.0)
+    """Return the true damage (n, 2), as old as `clock` (n,) steps at 3 g, the step's number if not given."""
     age = np.full(histories.n, float(step)) if clock is None else np.minimum(clock, MOST_STEPS - 1.0)
     low, rows = np.minimum(age.astype(np.intp), MOST_STEPS - 2), np.arange(histories.n)
     share = (age - low)[:, None]
-    own = (1.0 - share) * histories.damage[rows, low] + share * histories.damage[rows, low + 1]
-    return np.column_stack([own, third])
+    return np.asarray((1.0 - share) * histories.damage[rows, low] + share * histories.damage[rows, low + 1])
 
 
 def readings_at(
@@ -97,14 +84,10 @@ def readings_at(
     step: int,
     load: Floats,
     rng: np.random.Generator,
-    signature: Floats | None = None,
     clock: Floats | None = None,
 ) -> Floats:
     """Return the noisy readings (n, n_gauges) of a step, at the load that is being flown; `clock` as `damage_at`."""
-    truth = damage_at(histories, step, clock)
-    strains = aircraft.strains(truth[:, :2])
-    if signature is not None:
-        strains = strains + truth[:, 2:] * signature
+    strains = aircraft.strains(damage_at(histories, step, clock))
     readings = load[:, None] * strains + rng.normal(0.0, NOISE_SD, strains.shape)
     rows = np.flatnonzero(step >= histories.dead_from)
     readings[rows, histories.dead_gauge[rows]] = 0.0
