@@ -27,7 +27,7 @@ from octmip.monitor import (
     explain,
     state_candidates,
 )
-from octmip.monitor.library import DEFAULT_LEVELS, Applied
+from octmip.monitor.library import Applied, default_levels
 from octmip.monitor.stream import Result
 from octmip.sensing.monitor_design import MonitorDesign, design_monitor
 from octmip.trees.answer.certificate import certify
@@ -316,7 +316,7 @@ def _levels(twin: PartOf, library: Library) -> dict[str, list[float]]:
     """Return the levels of the library's parameters, and those of the new one."""
     own = {name: np.unique(library.states[:, k]).tolist() for k, name in enumerate(library.parameters)}
     added = twin.kept[-1]
-    return own | {added: [level * twin.state_limits[added] for level in DEFAULT_LEVELS]}
+    return own | {added: default_levels(twin.state_limits[added])}
 
 
 def _changed(
