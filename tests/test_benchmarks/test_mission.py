@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks.uav.mission.aircraft import Aircraft, build_aircraft
 from benchmarks.uav.mission.capable import MOST, STEP, Capable
-from benchmarks.uav.mission.course_plan import LOST, WIDE_STEPS
+from benchmarks.uav.mission.course_plan import WIDE_STEPS
 from benchmarks.uav.mission.histories import draw
 from benchmarks.uav.mission.policies import POLICIES, Brain, Pilot
 from benchmarks.uav.mission.simulation import fly
@@ -48,9 +48,9 @@ def test_policies_keep_their_order(aircraft: Aircraft):
         rng = np.random.default_rng(3)
         histories = draw("paper", 300, rng, (0,))
         flights = fly(aircraft, histories, Pilot(policy, aircraft, 300, brain, None, histories.rates), rng)
-        lost[policy.estimator, policy.rule, policy.level] = flights.is_lost.mean()
-        cost[policy.estimator, policy.rule, policy.level] = (flights.steps + LOST * flights.is_lost).mean()
-        steps[policy.estimator, policy.rule, policy.level] = flights.steps.mean()
+        lost[policy.estimator, policy.rule, policy.level] = flights.lost.mean()
+        cost[policy.estimator, policy.rule, policy.level] = flights.cost.mean()
+        steps[policy.estimator, policy.rule, policy.level] = flights.arrival.mean()
     oracle, planner = ("truth", "plan", 0.5), ("filter", "plan", 0.5)
     always, never = ("nothing", "always", 0.5), ("nothing", "never", 0.5)
     assert lost[always] == 0.0

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.uav.mission.aircraft import CRITICAL, RATES, WEAR, Aircraft
+from benchmarks.uav.mission.aircraft import CHANGE, CRITICAL, RATES, WEAR, Aircraft
 from benchmarks.uav.mission.capable import chance_of_failing
 from benchmarks.uav.mission.course_plan import LOADS, cell_points, course_plan, place_of
-from octmip.monitor import Belief, Filter, MonitorState, Planner, Watch, explain
+from octmip.monitor import Belief, Filter, MonitorState, Planner, Watch, explain, steady_growth
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -86,7 +86,8 @@ class Brain:
         slow, fast = (aircraft.filter(n_cells, wear=wear) for wear in (WEAR, 1.0))
         library = fast.library
         over = chance_of_failing(cell_points(library, aircraft.believed), 3.0) > OVER
-        planner = course_plan(library, (slow.growth, fast.growth), aircraft.believed)
+        growths = [steady_growth(library, [wear * rate for rate in RATES], change=CHANGE) for wear in (WEAR, 1.0)]
+        planner = course_plan(library, (growths[0], growths[1]), aircraft.believed)
         return cls((slow, fast), planner, over.mean(axis=1))
 
 
