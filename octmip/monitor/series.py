@@ -114,6 +114,8 @@ def began_together(watch: Watch, readings: Floats, loads: Floats, faulty: set[in
         logs = _log_evidence(watch, readings, loads, faulty, sound)
         for h in faulty.intersection(near.tolist()):
             sound, logs = [*sound, h], np.column_stack([logs, _log_evidence(watch, readings, loads, faulty - {h}, [h])])
+        if not sound:
+            continue
         together = logsumexp(log_began[:, None] + logs, axis=0)
         alone = logsumexp(logs, axis=0) - np.log(len(logs))
         is_with = (together > np.log(len(sound) / watch.rate)) & (together - alone > np.log(ODDS))

@@ -1,7 +1,8 @@
 """Lives: the bands of a forecast beside what becomes of simulated wings that fly at 3 g until they break.
 
 Damage grows by gamma increments (Source: J. M. van Noortwijk, Reliab. Eng. Syst. Saf. 94 (2009) 2-21) of a rate of each
-wing's own, which is none of the filter's, and of the scale of the filter's cells. The filter sees leaves alone.
+wing's own, which is none of the filter's, and of the scale of the filter's cells. The filter sees leaves alone, and
+allows for no sudden damage, as there is none.
 """
 
 from collections.abc import Iterator
@@ -9,32 +10,45 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.uav.mission.aircraft import NOISE_SD, RATES, Aircraft
+from benchmarks.uav.mission.aircraft import NOISE_SD, Aircraft
 from benchmarks.uav.mission.capable import chance_of_failing
 from benchmarks.uav.mission.course_plan import cell_points
-from octmip.monitor import Belief, learnt_rates, remaining_life
+from octmip.monitor import (
+    Belief,
+    Filter,
+    LeafLikelihood,
+    grid_states,
+    learnt_rates,
+    library_of,
+    remaining_life,
+    steady_growth,
+)
 
 Floats = NDArray[np.float64]
 
 SEEN, LONGEST = 40, 1500
 """Readings before the forecast, and its steps."""
+WIDTHS = (0.05, 0.2)
+"""Of the filter's cells; mu2 hardly changes what the wing bears."""
+RATES = np.geomspace(0.0005, 0.0075, 5)
+"""Of the filter in a step; any wing grows by one between the ends."""
 FLEET = (0.003, 0.005)
-"""Rates of a fleet of one kind, which a filter learns; of any wing: between the least and most of RATES."""
+"""Rates of a fleet of one kind, which a filter learns."""
 
 
 def life_rows(aircraft: Aircraft, n: int, seed: int) -> Iterator[dict[str, object]]:
     """Yield how many of n lives end within their 90 % bands: of any wing, of a fleet, and of it by rates learnt."""
-    rng, chain = np.random.default_rng(seed), aircraft.filter()
+    rng, chain = np.random.default_rng(seed), _filter(aircraft)
     fails = chance_of_failing(cell_points(chain.library, aircraft.capable), 3.0).mean(axis=1)
     rates = np.full(chain.growth.n_rates, 1.0 / chain.growth.n_rates)
-    flown, _ = _lives(aircraft, 50, FLEET, rng, rates)
+    flown, _ = _lives(aircraft, chain, 50, FLEET, rng, rates)
     learnt = learnt_rates(rates, flown)
     for wings, ends, held in (
         ("of any rate", (RATES[0], RATES[-1]), rates),
         ("of a fleet", FLEET, rates),
         ("of a fleet, rates learnt over 50", FLEET, learnt),
     ):
-        belief, left = _lives(aircraft, n, ends, rng, held)
+        belief, left = _lives(aircraft, chain, n, ends, rng, held)
         low, high = remaining_life(chain.growth, belief, fails, LONGEST).interval(0.9)
         is_inside = (low <= left) & (left <= high)
         yield {
@@ -47,12 +61,17 @@ def life_rows(aircraft: Aircraft, n: int, seed: int) -> Iterator[dict[str, objec
         }
 
 
+def _filter(aircraft: Aircraft) -> Filter:
+    centres = [((np.arange(round(0.8 / width)) + 0.5) * width).tolist() for width in WIDTHS]
+    cells = library_of(aircraft.twin, grid_states(centres), NOISE_SD, gauges=aircraft.gauges, widths=WIDTHS)
+    return Filter(LeafLikelihood(aircraft.selector.tree, cells), steady_growth(cells, RATES.tolist()))
+
+
 def _lives(
-    aircraft: Aircraft, n: int, ends: tuple[float, float], rng: np.random.Generator, rates: Floats
+    aircraft: Aircraft, chain: Filter, n: int, ends: tuple[float, float], rng: np.random.Generator, rates: Floats
 ) -> tuple[Belief, Floats]:
     """Return the belief after SEEN readings about the wings that live on, and the steps (n,) that are left to each."""
-    chain = aircraft.filter()
-    width = chain.library.widths[0]
+    width = WIDTHS[0]
     own = np.exp(rng.uniform(*np.log(ends), (n, 1, 2)))
     damage = np.minimum(np.cumsum(rng.gamma(own / width, width, (n, SEEN + LONGEST, 2)), axis=1), 0.9)
     chance = aircraft.capable.fails(damage.reshape(-1, 2), 3.0).reshape(n, -1)

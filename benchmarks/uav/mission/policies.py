@@ -137,8 +137,10 @@ class Pilot:
 
     def _heard_of(self, belief: Belief, readings: Floats, loads: Floats) -> Belief:
         """Return the belief after a step flown at `loads` (n,) and its readings."""
-        slow, fast = (chain.growth.advance(belief.weights) for chain in self.brain.filters)
-        weights = np.where((loads < 3.0)[:, None, None], slow, fast)
+        weights, is_slow = belief.weights.copy(), loads < 3.0
+        for chain, rows in zip(self.brain.filters, (is_slow, ~is_slow), strict=True):
+            if rows.any():
+                weights[rows] = chain.growth.advance(belief.weights[rows])
         return self.brain.filters[FAST].observe(Belief(belief.library, weights), readings, loads)
 
     def _heard(self, readings: Floats, loads: Floats) -> Floats:

@@ -9,8 +9,8 @@ from benchmarks.uav.mission.histories import KINDS, draw
 from benchmarks.uav.mission.policies import POLICIES, Brain, Pilot, Policy
 from benchmarks.uav.mission.simulation import Flights, fly
 
-CHUNK = 1000
-"""Missions flown at once: bounds memory."""
+CHUNK = 250
+"""Missions flown at once: their beliefs stay in the cache of a core."""
 CELLS = 10
 """Cells of the filter in each parameter: the 40 % lies on an edge, and 10^4 missions take minutes."""
 WATCHED = ("dead gauge",)
