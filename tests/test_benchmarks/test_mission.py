@@ -53,9 +53,8 @@ def test_policies_keep_their_order(aircraft: Aircraft):
         steps[policy.estimator, policy.rule, policy.level] = flights.arrival.mean()
     oracle, planner = ("truth", "plan", 0.5), ("filter", "plan", 0.5)
     always, never = ("nothing", "always", 0.5), ("nothing", "never", 0.5)
-    assert lost[always] == 0.0
+    assert lost[always] < 1e-9
     assert lost[never] > 0.5
-    assert cost[oracle] <= cost[planner] + 1.0
-    assert cost[planner] < min(cost[always], cost[never], cost["trees", "paper", 0.5])
-    assert lost["filter", "limit", 0.02] <= lost["filter", "limit", 0.1] <= lost["trees", "limit", 0.5]
-    assert steps[oracle] <= steps[planner] + 0.5 <= steps[always] + 0.5 == WIDE_STEPS + 0.5
+    assert lost["filter", "limit", 0.02] <= lost["filter", "limit", 0.1]
+    assert cost[oracle] <= cost[planner] < min(cost[one] for one in cost if one not in (oracle, planner))
+    assert steps[oracle] <= steps[planner] <= steps[always] == WIDE_STEPS
