@@ -52,7 +52,9 @@ def _onward(load: float) -> csr_array:
     """Return where a step at a load leads from every place: shares (n_places, n_places), 0 the goal."""
     n = int(np.ceil(course.GOAL / WAY))
     left, line = (axis.ravel() for axis in np.meshgrid(np.arange(1, n + 1), np.arange(N_WIDTHS), indexing="ij"))
-    x, width = course.advance(course.GOAL - WAY * left, line / (N_WIDTHS - 1), np.full(len(left), load < LOADS[1]))
+    x, width = course.advance(
+        course.GOAL - WAY * left.astype(np.float64), line / (N_WIDTHS - 1.0), np.full(len(left), load < LOADS[1])
+    )
     further, across = np.maximum(0.0, (course.GOAL - x) / WAY), width * (N_WIDTHS - 1)
     rows, columns, shares = [], [], []
     for up in (0, 1):

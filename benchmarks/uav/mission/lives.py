@@ -34,6 +34,8 @@ RATES = np.geomspace(0.0005, 0.0075, 5)
 """Of the filter in a step; any wing grows by one between the ends."""
 FLEET = (0.003, 0.005)
 """Rates of a fleet of one kind, which a filter learns."""
+SEASONS, FLOWN = 4, 50
+"""In which it learns them, and wings that fly in each."""
 
 
 def life_rows(aircraft: Aircraft, n: int, seed: int) -> Iterator[dict[str, object]]:
@@ -41,12 +43,13 @@ def life_rows(aircraft: Aircraft, n: int, seed: int) -> Iterator[dict[str, objec
     rng, chain = np.random.default_rng(seed), _filter(aircraft)
     fails = chance_of_failing(cell_points(chain.library, aircraft.capable), 3.0).mean(axis=1)
     rates = np.full(chain.growth.n_rates, 1.0 / chain.growth.n_rates)
-    flown, _ = _lives(aircraft, chain, 50, FLEET, rng, rates)
-    learnt = learnt_rates(rates, flown)
+    learnt = rates
+    for _ in range(SEASONS):
+        learnt = learnt_rates(learnt, _lives(aircraft, chain, FLOWN, FLEET, rng, learnt)[0])
     for wings, ends, held in (
         ("of any rate", (RATES[0], RATES[-1]), rates),
         ("of a fleet", FLEET, rates),
-        ("of a fleet, rates learnt over 50", FLEET, learnt),
+        (f"of a fleet, rates learnt over {SEASONS} x {FLOWN}", FLEET, learnt),
     ):
         belief, left = _lives(aircraft, chain, n, ends, rng, held)
         low, high = remaining_life(chain.growth, belief, fails, LONGEST).interval(0.9)
@@ -72,7 +75,7 @@ def _lives(
 ) -> tuple[Belief, Floats]:
     """Return the belief after SEEN readings about the wings that live on, and the steps (n,) that are left to each."""
     width = WIDTHS[0]
-    own = np.exp(rng.uniform(*np.log(ends), (n, 1, 2)))
+    own = np.exp(rng.uniform(np.log(ends[0]), np.log(ends[1]), (n, 1, 2)))
     damage = np.minimum(np.cumsum(rng.gamma(own / width, width, (n, SEEN + LONGEST, 2)), axis=1), 0.9)
     chance = aircraft.capable.fails(damage.reshape(-1, 2), 3.0).reshape(n, -1)
     is_over = rng.random(chance.shape) < chance

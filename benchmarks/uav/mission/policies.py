@@ -117,7 +117,8 @@ class Pilot:
             return self._by_trees(readings, loads)
         self.belief = self._heard_of(self.belief, self._heard(readings, loads), loads)
         if self.policy.rule == "plan":
-            return (self.brain.planner.choose(self.belief.weights, place_of(x, width)) == 0) | self.is_outside
+            chosen = self.brain.planner.choose(self.belief.weights, place_of(x, width))
+            return np.asarray((chosen == 0) | self.is_outside)
         return np.asarray(self.belief.expectation(self.brain.over) > self.policy.level) | self.is_outside
 
     def _knowing(self, truth: Floats, places: NDArray[np.intp]) -> Flags:
