@@ -141,8 +141,9 @@ def _watch_words(source: str, seen: Seen, added: str) -> list[str]:
         return lines
     if seen.finding is None:
         some = "" if seen.n_tested == seen.n_readings else f" ({seen.n_tested} with gauges enough to be tested)"
+        what = "the other gauges" if seen.faulty else "them"
         number_of = f"{seen.n_readings} reading{'s' * (seen.n_readings != 1)}"
-        lines.append(f"{visible(source)}: no alarm in {number_of}{some}; the library explains them")
+        lines.append(f"{visible(source)}: no alarm in {number_of}{some}; the library explains {what}")
         return lines
     lines.append(
         f"{visible(source)}: alarm at reading {seen.alarm} of {seen.n_readings}. {visible(seen.finding.words)}"
