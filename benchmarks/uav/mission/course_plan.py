@@ -4,6 +4,8 @@ A place is a point on a grid of the way left and of the share of the way from th
 counts the way across when the aircraft changes the line; between its points a step is shared among four.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
@@ -24,7 +26,7 @@ POINTS = 5
 """Points along each side of a cell over which its chance of failing is a mean."""
 
 
-def course_plan(library: Library, growths: tuple[Growth, Growth], capable: Capable) -> Planner:
+def course_plan(library: Library, growths: Sequence[Growth], capable: Capable) -> Planner:
     """Return the plan over a library's cells; `growths` are those at each of LOADS."""
     bears = cell_points(library, capable)
     actions = [

@@ -71,13 +71,16 @@ class Brain:
     filters
         of damage that grows as at 2 g, and as at 3 g.
     planner
-        over the filters' cells.
+        over the filters' cells, for growth that is not sudden.
+    informed
+        over cells half as wide, for growth at one rate: what full information decides by.
     over
         (n_states,) share of each cell that is over the limit.
     """
 
     filters: tuple[Filter, Filter]
     planner: Planner
+    informed: Planner
     over: Floats
 
     @classmethod
@@ -86,9 +89,18 @@ class Brain:
         slow, fast = (aircraft.filter(n_cells, wear=wear) for wear in (WEAR, 1.0))
         library = fast.library
         over = chance_of_failing(cell_points(library, aircraft.believed), 3.0) > OVER
-        growths = [steady_growth(library, [wear * rate for rate in RATES], change=CHANGE) for wear in (WEAR, 1.0)]
-        planner = course_plan(library, (growths[0], growths[1]), aircraft.believed)
-        return cls((slow, fast), planner, over.mean(axis=1))
+        plans = [
+            course_plan(
+                cells,
+                [steady_growth(cells, [wear * rate for rate in RATES], change=change) for wear in (WEAR, 1.0)],
+                capable,
+            )
+            for cells, change, capable in (
+                (library, CHANGE, aircraft.believed),
+                (aircraft.cells(2 * n_cells), 0.0, aircraft.capable),
+            )
+        ]
+        return cls((slow, fast), *plans, over.mean(axis=1))
 
 
 class Pilot:
@@ -122,11 +134,10 @@ class Pilot:
         return np.asarray(self.belief.expectation(self.brain.over) > self.policy.level) | self.is_outside
 
     def _knowing(self, truth: Floats, places: NDArray[np.intp]) -> Flags:
-        library = self.brain.filters[FAST].library
-        n_cells = len(np.unique(library.states[:, 0]))
-        first, second = np.clip((truth / library.widths).astype(np.intp), 0, n_cells - 1).T
+        n_cells = round(np.sqrt(self.brain.informed.actions[0].growth.n_states))
+        first, second = np.clip((truth / 0.8 * n_cells).astype(np.intp), 0, n_cells - 1).T
         fails = np.array([self.aircraft.capable.fails(truth, load) for load in LOADS])
-        chosen = self.brain.planner.choose_knowing(fails, self.rate, first * n_cells + second, places)
+        chosen = self.brain.informed.choose_knowing(fails, self.rate, first * n_cells + second, places)
         return np.asarray(chosen == 0)
 
     def _by_trees(self, readings: Floats, loads: Floats) -> Flags:

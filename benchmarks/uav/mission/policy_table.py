@@ -11,8 +11,8 @@ from benchmarks.uav.mission.simulation import Flights, fly
 
 CHUNK = 250
 """Missions flown at once: their beliefs stay in the cache of a core."""
-CELLS = 10
-"""Cells of the filter in each parameter: the 40 % lies on an edge, and 10^4 missions take minutes."""
+CELLS = 16
+"""Cells of the filter in each parameter: 5 % wide, the 40 % on an edge; 10 cost the planner 0.8 steps."""
 WATCHED = ("dead gauge",)
 """Missions in which the watch has something to find; elsewhere it can only raise false alarms."""
 Z = 1.959964
