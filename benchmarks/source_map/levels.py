@@ -76,7 +76,6 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.methods.pruning": 6,
         "trees.runs.registry": 4,
         "trees.runs.solver_call": 8,
-        "trees.runs.pause": 9,
         "trees.runs.drawn_rows": 9,
         "trees.regression.ordered": 9,
         "trees.solver": 10,

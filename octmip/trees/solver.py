@@ -33,9 +33,8 @@ from octmip.trees.nodes.tree import Node
 from octmip.trees.question.problem import Problem
 from octmip.trees.regression.ordered import freed, in_order
 from octmip.trees.runs.drawn_rows import setup_seconds, tree_of_drawn_rows
-from octmip.trees.runs.pause import pause_of, quiet
 from octmip.trees.runs.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chosen_method, solvers_of
-from octmip.trees.runs.solver_call import Call, options_for
+from octmip.trees.runs.solver_call import Call, options_for, pause_of, quiet
 
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
 SEARCH_SHARE, FIRST_RESTARTS = 0.2, 4  # few restarts: after the first ones a proof gains more from the time

@@ -1,9 +1,9 @@
 """The price of an option: CPU seconds of a proof with it over those of the proof without, on public tables.
 
 The options: a least number of samples in a leaf (2, 5, 20, or 1 % of the rows), the same with a budget of three
-columns, one or two splits fewer than the depth has room for, two changes of CART's tree, and a proof log. Of numbers, the first column of each
-table by the others: leaves of 5 and other errors over squared error. A proof that its limit ends counts with the
-seconds at which it stopped.
+columns, one or two splits fewer than the depth has room for, two changes of CART's tree, and a proof log. Of numbers,
+the first column of each table by the others: leaves of 5 and other errors over squared error. A proof that its limit
+ends counts with the seconds at which it stopped.
 """
 
 import re
