@@ -52,23 +52,14 @@ class ReducedBuckling:
         n = self.pressed.shape[1]
         if n == 0:  # no sampled state buckles
             return float("inf")
-        stiffness, compressed = self._pencil(damage, parts)
+        hit = damage.nonzero()[0]
+        forces = (self.forces.reshape(-1, len(parts)) @ parts).reshape(self.forces.shape[:2])
+        share = forces[0] - damage @ forces[1:]
+        stiffness = np.eye(n) - np.tensordot(damage[hit], self.lost[hit], 1)
+        compressed = -np.tensordot(share, self.pressed, 1)
         most = (n - 1, n - 1)
         top = linalg.eigh(compressed, stiffness, eigvals_only=True, subset_by_index=most, check_finite=False)[0]
         return float(1.0 / top) if top > 0.0 else float("inf")
-
-    def bears(self, damage: FloatArray, parts: FloatArray, factor: float) -> bool:
-        """Return whether the shells bear a load of this factor unbuckled, for a part of the work of `factor`."""
-        if not self.pressed.shape[1]:
-            return True
-        stiffness, compressed = self._pencil(damage, parts)
-        return int(linalg.lapack.dpotrf(stiffness - factor * compressed)[1]) == 0
-
-    def _pencil(self, damage: FloatArray, parts: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the stiffness that is left and what a load of factor 1 takes of it (N, N)."""
-        n, hit = self.pressed.shape[1], damage.nonzero()[0]
-        share = self.forces[0] @ parts - np.tensordot(damage[hit], self.forces[hit + 1] @ parts, 1)
-        return np.eye(n) - np.tensordot(damage[hit], self.lost[hit], 1), -np.tensordot(share, self.pressed, 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -135,7 +135,7 @@ class Capability:
 
     def load_factors(self, states: FloatArray) -> FloatArray:
         """Return the greatest factors (n_states,) that states (n_states, n_parameters) bear, as `limits`."""
-        return np.array([self._least(row) for row in checked_damage(states, self.parameters)])
+        return np.asarray(self.limits(states).min(axis=1))
 
     def failure_probability(self, states: FloatArray, factor: float, spread: float) -> FloatArray:
         """Return the probability (n_states,) that states do not bear a factor, of lognormal limits.
@@ -148,18 +148,10 @@ class Capability:
 
     def _limits(self, damage: FloatArray) -> tuple[float, float, float]:
         parts = self.model.parts(damage[None])[0]
-        ply, deflection = self._statics(parts)
-        return ply, self.buckling.factor(damage, parts), deflection
-
-    def _least(self, damage: FloatArray) -> float:
-        """Return the least limit; the buckling load is solved for only where it is."""
-        parts = self.model.parts(damage[None])[0]
-        least = min(self._statics(parts))
-        return least if self.buckling.bears(damage, parts, least) else self.buckling.factor(damage, parts)
-
-    def _statics(self, parts: FloatArray) -> tuple[float, float]:
-        factors = block_factors(self.blocks, self.strains @ parts, self.criterion)
-        return float(factors.min()), 1.0 / max(abs(float(self.deflection @ parts)), 1e-300)
+        strains = (self.strains.reshape(-1, len(parts)) @ parts).reshape(-1, 3)  # one product, not one a corner
+        factors = block_factors(self.blocks, strains, self.criterion)
+        deflected = abs(float(self.deflection @ parts))
+        return float(factors.min()), self.buckling.factor(damage, parts), 1.0 / max(deflected, 1e-300)
 
 
 def reduce_capability(

@@ -32,17 +32,6 @@ def test_reduced_limits_are_those_of_the_full_wing_in_states_that_were_not_sampl
     np.testing.assert_array_equal(other.limits(STATES), capable.limits(STATES))
 
 
-def test_the_least_limit_is_found_without_a_buckling_load_that_is_not_the_least(capable):
-    np.testing.assert_array_equal(capable.load_factors(STATES), capable.limits(STATES).min(axis=1))
-    weak = replace(capable.buckling, pressed=1e3 * capable.buckling.pressed)
-    buckles = capable.limits(STATES)[:, 1]
-    assert replace(capable, buckling=weak).load_factors(STATES) == pytest.approx(1e-3 * buckles)
-    for state, factor in zip(STATES, buckles, strict=True):
-        parts = capable.model.parts(state[None])[0]
-        assert capable.buckling.bears(state, parts, 0.999 * factor)
-        assert not capable.buckling.bears(state, parts, 1.001 * factor)
-
-
 def test_every_corner_near_failing_in_a_sampled_state_is_kept(tiny, capable):
     shells, sound = tiny.structure.shells, tiny.structure.solve(np.zeros((1, 2)), tiny.lift)[0]
     strains = corner_strains(shells, sound)
