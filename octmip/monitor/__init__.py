@@ -11,6 +11,7 @@ from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library, grid_states, library_of
 from octmip.monitor.planner import Action, Planner
 from octmip.monitor.selector import ModelSelector, ParameterTree, Selection
+from octmip.monitor.series import Series
 from octmip.monitor.stream import Monitor, Refusal, Result
 from octmip.monitor.surprise import leaf_p_value
 from octmip.monitor.watch import MonitorState, Watch
@@ -36,6 +37,7 @@ __all__ = [
     "Refusal",
     "Result",
     "Selection",
+    "Series",
     "Watch",
     "effect_candidates",
     "explain",

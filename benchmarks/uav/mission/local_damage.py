@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from benchmarks.uav.mission.aircraft import NOISE_SD, Aircraft
-from octmip.monitor import Watch
-from octmip.monitor.series import Series
+from octmip.monitor import Series, Watch
 
 Floats = NDArray[np.float64]
 Told = tuple[bool, set[str]]
