@@ -50,7 +50,7 @@ class Policy:
 
 
 POLICIES = (
-    Policy("oracle (bound of full information)", "truth", "plan"),
+    Policy("full information", "truth", "plan"),
     Policy("always cautious", "nothing", "always"),
     Policy("never cautious", "nothing", "never"),
     Policy("trees, 40 % (the paper's)", "trees", "paper"),
