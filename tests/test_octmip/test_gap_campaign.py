@@ -11,7 +11,7 @@ from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.channels.levels import clipped_in
 from octmip.gap.doors import open_twin
 from octmip.interfaces.report.diagnosis.recommendation import recommend
-from tests.test_octmip.beam_twin import Beam, measured
+from tests.test_octmip.beam_twin import Beam, measured, serial, sound_readings
 
 TWIN = Beam()
 
@@ -57,13 +57,6 @@ def test_a_thousand_rows_with_a_fifth_missing_work(tmp_path):
     assert diagnose(back, TWIN, commissioning=measured(1000)).is_sound
 
 
-def correlated(rng, shape, load):
-    steps = rng.standard_normal((shape[0] + 50, shape[1])) * 31.6
-    for k in range(1, len(steps)):
-        steps[k] = 0.6 * steps[k - 1] + np.sqrt(1 - 0.36) * steps[k]
-    return steps[50:]
-
-
 def jumping(rng, shape, load):
     """White noise; one gauge reads six standard deviations more from the middle of load factor 1 on."""
     since = np.arange(shape[0]) + 50.0 * load >= 75.0
@@ -71,7 +64,7 @@ def jumping(rng, shape, load):
 
 
 NOISES = {
-    "correlated_noise": correlated,
+    "correlated_noise": serial(0.6),
     "heavy_tailed_noise": lambda rng, shape, load: rng.standard_t(4, shape) * 31.6 / np.sqrt(2),
     "heteroscedastic_noise": lambda rng, shape, load: rng.standard_normal(shape) * 31.6 * (0.6 + 0.3 * load),
     "outliers": lambda rng, shape, load: 31.6 * (rng.standard_normal(shape) + 10.0 * (rng.random(shape) < 0.02)),
@@ -258,10 +251,6 @@ def test_few_repeats_raise_no_false_alarm(repeats):
     assert all(diagnose(run, TWIN, commissioning=measured(1000)).is_sound for run in runs)
 
 
-def beside(campaign):
-    return np.array([TWIN.predict({}, load) for load in campaign.load_factor])
-
-
 def clipped(rail, gauges):
     whole = measured(5)
     readings = whole.readings.copy()
@@ -285,7 +274,7 @@ def test_a_gauge_that_meets_both_ends_of_its_range_is_left_out_at_both():
     readings = whole.readings.copy()
     readings[:, 6] = np.clip(readings[:, 6], -900.0, 900.0)
     campaign = replace(whole, readings=readings)
-    found = clipped_in(campaign, beside(campaign))
+    found = clipped_in(campaign, sound_readings(campaign))
     assert [(fault.gauge, fault.value) for fault in found] == [("g07", 900.0), ("g07", -900.0)]
     left_out = np.concatenate([fault.rows for fault in found])
     assert [float(c.load) for c in campaign.cells if not np.isin(c.rows, left_out).any()] == [0.0]
@@ -303,9 +292,9 @@ def test_an_effect_is_found_beside_clipped_gauges():
 
 def test_no_rail_is_seen_where_there_is_none():
     plain = measured(5)
-    assert clipped_in(plain, beside(plain)) == []
+    assert clipped_in(plain, sound_readings(plain)) == []
     coarse = replace(plain, readings=np.round(plain.readings / 80.0) * 80.0)
-    assert clipped_in(coarse, beside(coarse)) == []
+    assert clipped_in(coarse, sound_readings(coarse)) == []
 
 
 def test_a_known_noise_stands_in_for_repeats(tmp_path):

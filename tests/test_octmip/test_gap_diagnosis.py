@@ -8,29 +8,16 @@ import pytest
 from scipy.stats import norm
 
 from octmip.gap import CHAIN, diagnose
+from octmip.gap.shrinkage import measure_shrinkage
 from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.interfaces.report.diagnosis.page import report_page
 from octmip.interfaces.report.diagnosis.words import page_of_words
 from octmip.trees.nodes.tree import Leaf, Split
-from tests.test_octmip.beam_twin import Asset, Beam, Field, measured
+from tests.test_octmip.beam_twin import HEALTHY, Beam, Field, both, effect, measured
 
 TWIN = Beam()
 COMMISSIONING = measured(1000)
 CONFOUNDED = {"modulus", "load_factor_error", "common_gain"}
-
-
-def effect(name, size, place=""):
-    source = {**CHAIN, **TWIN.effects}[name]
-    strained = Asset() if name in CHAIN else TWIN  # the chain acts on what the asset's gauges see
-
-    def change(state, load, time):
-        return size * source.signature(strained, state, load, place=place, time=time)
-
-    return change
-
-
-def both(*changes):
-    return lambda state, load, time: sum(change(state, load, time) for change in changes)
 
 
 def names_of(cause):
@@ -124,8 +111,6 @@ def test_the_effect_closes_the_gap_on_held_out_loads():
 
 
 def test_a_wrong_effect_does_not_close_the_gap():
-    from octmip.gap.shrinkage import measure_shrinkage
-
     diagnosis = diagnose(measured(7, effect("temperature_uniform", -8.0)), TWIN, commissioning=COMMISSIONING)
     candidates = diagnosis.posterior.model.inputs.candidates
     wrong = next(j for j, candidate in enumerate(candidates) if candidate.name == "modulus")
@@ -138,9 +123,7 @@ def test_many_free_regions_and_no_baseline_are_refused_with_the_test_that_helps(
 
         def predict(self, state, load_factor):
             damage = np.array([state.get(name, 0.0) for name in self.parameters])
-            return load_factor * HEALTHY_STRAIN * (1 + damage)
-
-    from tests.test_octmip.beam_twin import HEALTHY as HEALTHY_STRAIN
+            return load_factor * HEALTHY * (1 + damage)
 
     twin = Patchwork(parameters=tuple(f"mu{k + 1:02d}" for k in range(20)))
     sound = measured(4, effect("modulus", -3.0), mesh=0.0)

@@ -6,6 +6,7 @@ The logs are written by `tests/oracles/proof_log.py`, which knows no solver.
 import numpy as np
 import pytest
 
+from benchmarks.cases.fuzz.proofs import KINDS, corrupted
 from octmip import Problem
 from octmip.errors import CertificateError
 from octmip.trees.evidence.proof import check_proof
@@ -130,3 +131,9 @@ def test_a_log_of_another_problem_is_refused(log, options, line):
 def test_a_log_that_proves_less_than_is_claimed_for_a_tree_is_refused(log):
     with pytest.raises(CertificateError, match=r"line 5: the log proves 1\.0 but 2\.0 is claimed"):
         check_proof(STRIPES, log(proof_log(STRIPES)), bound=2.0)
+
+
+@pytest.mark.parametrize("first", [2000, 2020])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_log_of_a_solver_proves_its_bound_and_no_corruption_that_changes_the_claim_is_accepted(kind, first):
+    assert not [seed for seed in range(first, first + 20) if corrupted(kind, seed)[1] == "wrong"]

@@ -5,30 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz.proofs import corrupted
 from octmip import Problem
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
-from tests.oracles.rational import least_cost
-from tests.oracles.two_feature_problems import clouds, random_two_feature_problem
-
-
-@pytest.mark.parametrize("depth", [1, 2])
-def test_every_log_proves_the_optimum_of_enumeration(depth: int, tmp_path: Path) -> None:
-    path = tmp_path / "proof.log"
-    for seed in range(25):
-        rng = np.random.default_rng([71, depth, seed])
-        problem = random_two_feature_problem(rng, depth=depth, max_samples=9)
-        solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
-        report = check_proof(problem, path, bound=solution.bound)
-        assert report.bound == pytest.approx(float(least_cost(problem)), rel=1e-12), f"seed {seed}"
-
-
-@pytest.mark.parametrize("first", [2000])
-def test_no_corruption_that_changes_the_claim_is_accepted(first: int) -> None:
-    assert not [seed for seed in range(first, first + 40) if corrupted("two features", seed)[1] == "wrong"]
+from tests.oracles.two_feature_problems import clouds
 
 
 def test_logs_of_larger_problems_are_checked_on_several_threads(tmp_path: Path) -> None:
