@@ -11,6 +11,7 @@ from benchmarks.blind.noises import GROWN, NOISES
 from benchmarks.blind.sealing import facts
 from benchmarks.blind.singles import singles
 from benchmarks.blind.truths import SINGLES
+from benchmarks.cases.gap import noise as gap_noise
 from benchmarks.noises import VARIANCE
 
 
@@ -53,3 +54,13 @@ def test_the_run_of_a_damaged_wing_says_that_it_is_sound(asset, tmp_path):
 
 def test_every_effect_of_the_library_is_compared_with_what_no_library_holds(asset):
     assert {truth.name for truth in singles(asset)} == {name for name in SINGLES if asset.n_places.get(name) != 0}
+
+
+# The benchmark of sound assets by kind of noise
+
+
+def test_every_kind_of_noise_is_drawn_and_one_line_holds_its_figures():
+    assert all(gap_noise.drawn(kind, 0).readings.shape == (200, gap_noise.N_GAUGES) for kind in gap_noise.KINDS)
+    line = gap_noise.alarms("white", 2)
+    assert line["alarms"] == 0.0
+    assert "| white | 0.00 |" in gap_noise.summary([line])

@@ -67,11 +67,6 @@ def test_a_column_that_no_database_takes_is_refused(name):
     assert sql_expression(Split(0, 0.5, Leaf(0), Leaf(1)), ["a", name], "xy")  # it is not read
 
 
-def test_columns_that_differ_in_case_only_are_refused_in_sql():
-    with pytest.raises(TreeError, match="differ in case only"):
-        sql_expression(Split(0, 0.5, Leaf(0), Leaf(1)), ["g", "G"], "xy")
-
-
 def test_a_missing_column_is_an_error_in_sqlite_when_the_table_is_named():
     text = sql_expression(Split(0, 0.5, Leaf(0), Leaf(1)), ["a"], "xy", table='re"adings')
     with sqlite3.connect(":memory:") as base:

@@ -9,9 +9,8 @@ from octmip.errors import DataError, TwinError
 from octmip.gap import diagnose, read_campaign
 from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.channels.levels import clipped_in
-from octmip.gap.doors import open_twin
 from octmip.interfaces.report.diagnosis.recommendation import recommend
-from tests.test_octmip.beam_twin import Beam, measured, serial, sound_readings
+from tests.test_octmip.beam_twin import Beam, measured, sound_readings
 
 TWIN = Beam()
 
@@ -64,7 +63,6 @@ def jumping(rng, shape, load):
 
 
 NOISES = {
-    "correlated_noise": serial(0.6),
     "heavy_tailed_noise": lambda rng, shape, load: rng.standard_t(4, shape) * 31.6 / np.sqrt(2),
     "heteroscedastic_noise": lambda rng, shape, load: rng.standard_normal(shape) * 31.6 * (0.6 + 0.3 * load),
     "outliers": lambda rng, shape, load: 31.6 * (rng.standard_normal(shape) + 10.0 * (rng.random(shape) < 0.02)),
@@ -308,16 +306,6 @@ def test_a_known_noise_stands_in_for_repeats(tmp_path):
     with pytest.raises(DataError, match=r"noise_sd of gauge g01 is -3.*positive"):
         diagnose(measured(1), TWIN, noise_sd=-3.0)
     assert any("is not used" in note for note in diagnose(measured(1), TWIN, noise_sd=31.6).notes)
-
-
-def test_a_twin_that_cannot_be_made_is_refused_by_name():
-    with pytest.raises(DataError, match=r"'json:dumps' cannot be called without arguments.*function"):
-        open_twin("json:dumps")
-
-
-def test_a_model_without_its_card_is_told_to_give_one():
-    with pytest.raises(DataError, match=r"'json:dumps' cannot be called .*f\(parameters, loads\).*--card CARD.json"):
-        open_twin("python:json:dumps")
 
 
 def test_a_twin_that_answers_nothing_but_zeros_is_one_sentence():

@@ -5,14 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import norm
 
 from octmip.gap import CHAIN, diagnose
 from octmip.gap.shrinkage import measure_shrinkage
 from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.interfaces.report.diagnosis.page import report_page
 from octmip.interfaces.report.diagnosis.words import page_of_words
-from octmip.trees.nodes.tree import Leaf, Split
 from tests.test_octmip.beam_twin import HEALTHY, Beam, Field, both, effect, measured
 
 TWIN = Beam()
@@ -141,25 +139,6 @@ def test_an_unknown_state_is_estimated_beside_the_effect():
     state = diagnose(campaign, TWIN, commissioning=COMMISSIONING).states[0]
     assert abs(state.mean["mu1"] - 0.35) < 4 * state.sd["mu1"] + 0.01
     assert abs(state.mean["mu2"] - 0.55) < 4 * state.sd["mu2"] + 0.01
-
-
-def test_gaps_of_a_sound_asset_are_standard_normal_in_their_standard_deviations():
-    entries = diagnose(measured(5), TWIN, commissioning=COMMISSIONING).where.entries
-    z = np.array([place.z for place in entries])
-    assert 0.6 < np.sqrt(np.mean(z**2)) < 1.5
-    assert [place.p_value for place in entries] == pytest.approx((2.0 * norm.sf(np.abs(z))).tolist())
-    assert not any(place.is_significant for place in entries)
-
-
-def test_tree_nodes_are_ranked_by_flipped_decisions():
-    threshold = float(TWIN.predict({}, 1.0)[8]) + 10.0
-    tree = Split(8, threshold, Leaf(0), Split(0, 5e3, Leaf(1), Leaf(0)))
-    campaign = measured(3, effect("gauge_bias", 90.0, "g09"), loads=(1.0, 2.0, 3.0))
-    nodes = diagnose(campaign, TWIN, commissioning=COMMISSIONING, tree=tree, feature_names=TWIN.gauges).where.nodes
-    assert nodes[0].path == ""
-    assert nodes[0].share > 0.1
-    assert nodes[0].simulated > nodes[0].real
-    assert nodes[1].share < 0.02
 
 
 def test_the_json_object_has_its_stable_keys_and_is_json():

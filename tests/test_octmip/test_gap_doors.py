@@ -269,15 +269,6 @@ def test_the_function_of_the_page_runs_an_fmu_and_refuses_one_that_unpacks_to_gi
         CachedTwin(function_twin(of_page("unit"), readings, RANGES, ("force",))).predict({}, 200.0)
 
 
-def test_a_file_beside_the_campaign_hides_no_package(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", [path for path in sys.path if path])
-    monkeypatch.delitem(sys.modules, "pickletools", raising=False)
-    Path("pickletools.py").write_text("raise SystemExit")
-    with pytest.raises(DataError, match="pickletools"):  # the library's own, which makes no twin
-        open_twin("pickletools:dis")
-
-
 def test_a_question_that_is_never_answered_ends_in_time():
     within = of_page("within")
     assert within(5, abs, -3) == 3
@@ -320,23 +311,24 @@ def test_rows_that_cannot_be_interpolated_are_refused(tmp_path, rows, told):
         table_twin(path)
 
 
-def test_a_wrong_door_or_program_is_one_sentence_with_its_cure(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(
-        DataError, match=r"'nodoor' cannot be imported .*expected MODULE:NAME, or a door such as table:"
-    ):
-        open_twin("nodoor:beam")
-
-
 @pytest.mark.parametrize(
     ("name", "told"),
     [
+        ("nodoor:beam", r"'nodoor' cannot be imported .*expected MODULE:NAME, or a door such as table:"),
+        ("json:dumps", r"'json:dumps' cannot be called without arguments.*function"),
+        ("python:json:dumps", r"'json:dumps' cannot be called .*f\(parameters, loads\).*--card CARD.json"),
+        ("pickletools:dis", "pickletools"),  # the library's own, which makes no twin
         ("table:beam.csv", r"^table beam.csv is not there; expected a CSV or Parquet file"),
         ("table:here.csv", r"^card here.csv.json is not there: .*--card"),
     ],
 )
-def test_what_is_not_there_is_named_the_model_before_its_card(tmp_path, monkeypatch, name, told):
+def test_what_opens_no_door_is_one_sentence_with_its_cure_and_a_file_beside_it_hides_no_package(
+    tmp_path, monkeypatch, name, told
+):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [path for path in sys.path if path])
+    monkeypatch.delitem(sys.modules, "pickletools", raising=False)
+    (tmp_path / "pickletools.py").write_text("raise SystemExit")
     (tmp_path / "here.csv").write_text("force,tip\n1,2\n")
     with pytest.raises(DataError, match=told):
         open_twin(name)

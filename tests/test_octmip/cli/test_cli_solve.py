@@ -1,11 +1,20 @@
 """octmip solve, compare and frontier: what they print and what they write."""
 
 import json
+import math
 
-from octmip import Solution, Stop
+import numpy as np
+import pandas as pd
+
+from octmip import Leaf, Problem, Solution, Stop, solve
 from octmip.errors import SolverError
 from octmip.formats.tree_file import read_tree_file
+from octmip.interfaces.cli.arguments import Parser
+from octmip.interfaces.cli.gap_times import GapTimes
+from octmip.interfaces.cli.options import solve as options
+from octmip.interfaces.cli.samples.table_problem import read_problem
 from octmip.trees import solver
+from octmip.trees.answer.solution import Progress
 from octmip.trees.runs import registry
 
 
@@ -110,3 +119,41 @@ def test_a_least_weight_of_leaves_counts_the_weights_of_rows_and_classes(data, r
     assert "with a weight of 150 or more in each leaf, has" in out
     assert read_tree_file(out_file).settings["leaf_weight"] == 150
     assert run("certify", out_file, data)[0] == 0
+
+
+# Gap times: the first report within a gap counts, and the solution at the end
+
+
+def test_the_first_report_within_a_gap_counts_and_the_end_closes_the_rest():
+    shown: list[Progress] = []
+    times = GapTimes(shown.append)
+    for seconds, bound in ((1.0, -math.inf), (2.0, 95.0), (3.0, 96.0)):
+        times(Progress(seconds, 100.0, bound, 0))
+    times.end(Solution(Leaf(0), 100.0, 97.0, Stop.TIME, 4.0, 1, "exact", "1", 0))
+    assert times.reached() == {"10 %": 2.0, "1 %": None, "0 %": None}
+    assert times.gaps == [(2.0, 0.05), (3.0, 0.04), (4.0, 0.03)]
+    assert len(shown) == 3
+
+
+def test_the_end_is_timed_by_the_clock_of_the_solution():
+    times = GapTimes(lambda state: None)
+    times.end(Solution(Leaf(0), 100.0, 100.0, Stop.OPTIMAL, 0.25, 1, "exact", "1", 0))
+    assert set(times.reached().values()) == {0.25}
+
+
+# A Parquet file of float32 columns becomes a problem as it is, and the tree is that of its values as float64
+
+
+def test_a_parquet_file_of_float32_columns_makes_no_float64_table(tmp_path):
+    rng = np.random.default_rng(5)
+    features = rng.normal(size=(60, 3)).astype(np.float32)
+    labels = (features.sum(axis=1) > 0).astype(int)
+    frame = pd.DataFrame(features, columns=["a", "b", "c"])
+    path = tmp_path / "table.parquet"
+    frame.assign(y=labels).to_parquet(path)
+    parser = Parser("octmip solve", None)
+    options.add_arguments(parser)
+    problem = read_problem(parser.parse_args([str(path), "--label", "y", "--depth", "2"])).problem
+    assert problem.samples.features.dtype == np.float32
+    wide = Problem(features.astype(np.float64), labels, depth=2)
+    assert solve(problem, "exact").objective == solve(wide, "exact").objective
