@@ -201,7 +201,7 @@ def test_ctrl_c_in_python_ends_all_searches_too_and_the_next_call_is_a_new_one(
 
 def test_an_interrupted_solve_goes_on_and_is_none_of_a_study(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
-    random_problem = Problem(rng.normal(size=(800, 14)), rng.integers(0, 3, 800), depth=3)
+    random_problem = Problem(rng.normal(size=(500, 12)), rng.integers(0, 3, 500), depth=3)
 
     def interrupted(state: Progress) -> None:
         raise KeyboardInterrupt
@@ -217,7 +217,7 @@ def test_an_interrupted_solve_goes_on_and_is_none_of_a_study(tmp_path: Path) -> 
 def at_work(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The tables, tree, proof and twin that commands work on."""
     folder = tmp_path_factory.mktemp("signals")
-    signals.prepare(folder)
+    signals.prepare(folder, n_long=9)
     return folder
 
 
