@@ -30,6 +30,9 @@ def test_the_optimum_stays_with_a_prune_switched_off(prune: str) -> None:
         problem = random_problem(np.random.default_rng(seed), max_samples=12)
         least = branch_and_bound(problem, n_jobs=1 + seed % 2).objective
         assert solved_without(prune, problem).objective == pytest.approx(least, rel=1e-12), seed
+    for seed in range(6):
+        problem = larger(seed, classes=2 + seed % 4)
+        assert solved_without(prune, problem).objective == branch_and_bound(problem).objective, seed
 
 
 def test_the_optimum_stays_with_every_prune_switched_off() -> None:
@@ -58,13 +61,6 @@ def larger(seed: int, n: int = 150, classes: int = 3) -> Problem:
     features = np.round(rng.normal(size=(n, 4)), 1)
     labels = (features[:, 0] * features[:, 1] > 0).astype(int) + (rng.random(n) < 0.2) * rng.integers(0, classes, n)
     return Problem(features, np.minimum(labels, classes - 1), depth=2)
-
-
-@pytest.mark.parametrize("prune", _native.prunes())
-def test_larger_problems_do_not_depend_on_prunes(prune: str) -> None:
-    for seed in range(6):
-        problem = larger(seed, classes=2 + seed % 4)
-        assert solved_without(prune, problem).objective == branch_and_bound(problem).objective, seed
 
 
 @pytest.mark.parametrize("costs", [None, np.array([[0, 1, 4], [2, 0, 1], [5, 3, 0]])])
