@@ -17,6 +17,7 @@ from octmip.trees.methods.options import ExactOptions
 from octmip.trees.question.losses import SPELLINGS, AbsoluteError, SquaredError, number_loss
 from octmip.trees.question.problem import Problem
 from octmip.trees.regression.exact import exact_regression
+from tests.oracles.regression_trees import least_objective, random_problem
 
 
 def strains(loss: str, depth: int = 3) -> Problem:
@@ -35,6 +36,15 @@ def test_what_the_fuzz_found_stays_mended_with_its_log(kind: str, draw: Any, see
     problem = draw(np.random.default_rng([asked.stream, seed]), (SquaredError(), AbsoluteError()))
     solution = exact_regression(problem, options=ExactOptions(proof=log))
     assert asked.complaint(problem, solution, asked.truth(problem), log) == ""
+
+
+@pytest.mark.parametrize("loss", SPELLINGS)
+def test_logs_of_random_problems_prove_no_less_than_the_optimum(loss: str, tmp_path: Path) -> None:
+    for seed in range(12):
+        problem, log = random_problem(np.random.default_rng([41, seed]), loss), tmp_path / "proof.log"
+        exact_regression(problem, options=ExactOptions(proof=log))
+        least = pytest.approx(float(least_objective(problem)), rel=1e-5, abs=1e-6 * problem.baseline)
+        assert check_proof(problem, log).bound == least, seed
 
 
 @pytest.mark.parametrize("loss", SPELLINGS)
