@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sklearn.datasets import load_iris
 
-from octmip import ClassCosts, Leaf, Limits, Problem, Solution, Stop, certify, predict, solve
+from octmip import ClassCosts, Leaf, Limits, Problem, Solution, SquaredError, Stop, certify, predict, solve
 from octmip.errors import ProblemError
 from octmip.trees.nodes.tree import n_splits
 from octmip.trees.tradeoff import choose_tree
@@ -175,23 +175,26 @@ def test_costs_or_weights_in_another_unit_choose_the_same_tree_where_their_squar
 # Frontiers: each point is the optimum of its own problem, and neither objectives nor bounds go the wrong way
 
 
-FRONTIER_RNG = np.random.default_rng(3)
-FEATURES = FRONTIER_RNG.normal(size=(40, 3)).round(1)
+FEATURES = np.random.default_rng(3).normal(size=(40, 3)).round(1)
 LABELS = (FEATURES[:, 0] + 0.5 * FEATURES[:, 1] > 0).astype(int) + (FEATURES[:, 2] > 0.8)
 PROBLEM = Problem(FEATURES, LABELS, depth=3)
+NUMBERS = Problem(FEATURES, np.round(FEATURES[:, 0] * FEATURES[:, 1], 1), depth=2, loss=SquaredError())
 
 
+@pytest.mark.parametrize("problem", [PROBLEM, NUMBERS], ids=["classes", "numbers"])
 @pytest.mark.parametrize("over", ["depth", "budget", "penalty"])
-def test_every_point_is_the_optimum_of_its_own_problem(over):
-    points = trace_frontier(PROBLEM, over)
+def test_every_point_is_the_optimum_of_its_own_problem(over, problem):
+    points = trace_frontier(problem, over)
     if over == "penalty":
-        assert [point.value for point in points] == [best.penalty for best in trace_path(PROBLEM).trees]
+        assert [point.value for point in points] == [best.penalty for best in trace_path(problem).trees]
     else:
-        assert [point.value for point in points] == list(default_values(PROBLEM, over))
+        assert [point.value for point in points] == list(default_values(problem, over))
     for point in points:
         certify(point.problem, point.solution)
         assert point.solution.is_optimal
         assert point.solution.objective == solve(point.problem).objective
+    plain = [problem.replace(leaf_penalty=0.0).objective(point.solution.tree) for point in points]
+    assert plain == sorted(plain, reverse=over != "penalty")
 
 
 def test_a_bound_of_a_wider_limit_serves_the_tighter_ones():

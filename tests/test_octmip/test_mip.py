@@ -73,18 +73,9 @@ def test_the_optimum_is_that_of_enumeration(method, case):
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
-    from octmip.trees.mip.flow import encode as encode_flow
-
     problem = CASES[case]
     for fix, class_count in ((0, True), (2, False)):
-        request = engine.Request("flow")
-        solution = engine.solve_formulation(
-            problem,
-            lambda problem, known, options, f=fix, k=class_count: encode_flow(
-                problem, known.tree, fix=f, class_count=k, prices=known.prices
-            ),
-            request,
-        )
+        solution = engine.solver_of("flow", partial(flow.formulate, fix=fix, class_count=class_count))(problem)
         assert solution.objective == pytest.approx(optimum(problem).objective, abs=1e-6)
         assert solution.is_optimal
 
