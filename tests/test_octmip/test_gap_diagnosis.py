@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from octmip.gap import CHAIN, diagnose
-from octmip.gap.shrinkage import measure_shrinkage
 from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.interfaces.report.diagnosis.page import report_page
 from octmip.interfaces.report.diagnosis.words import page_of_words
@@ -97,22 +96,6 @@ def test_exactly_confounded_effects_are_named_together_whatever_size_and_loads(s
     if abs(size) >= (4.0 if calibrated else 12.0):
         assert diagnosis.which[0].effects
         assert any(set(names) >= CONFOUNDED for names in diagnosis.which[0].names)
-
-
-def test_the_effect_closes_the_gap_on_held_out_loads():
-    diagnosis = diagnose(measured(7, effect("temperature_uniform", -8.0)), TWIN, commissioning=COMMISSIONING)
-    closing = diagnosis.shrinkage
-    assert closing is not None
-    assert closing.closed > 0.9
-    assert closing.after < 0.3 * closing.before
-    assert {h.name for h in closing.held_out} == {f"load factor {load}" for load in range(4)}
-
-
-def test_a_wrong_effect_does_not_close_the_gap():
-    diagnosis = diagnose(measured(7, effect("temperature_uniform", -8.0)), TWIN, commissioning=COMMISSIONING)
-    candidates = diagnosis.posterior.model.inputs.candidates
-    wrong = next(j for j, candidate in enumerate(candidates) if candidate.name == "modulus")
-    assert measure_shrinkage(diagnosis.posterior.inference, [wrong]).closed < 0.5
 
 
 def test_many_free_regions_and_no_baseline_are_refused_with_the_test_that_helps():
