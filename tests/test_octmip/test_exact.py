@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from octmip import ClassCosts, Solution, certify
+from octmip import ClassCosts, Leaf, Problem, Solution, certify
 from octmip.trees import _native
 from octmip.trees.answer.solution import Limits, Stop
 from octmip.trees.evidence.proof import check_proof
@@ -13,7 +13,8 @@ from octmip.trees.methods import native_call
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.native_call import without
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.question.problem import Problem
+from octmip.trees.methods.ties import UNBROKEN
+from octmip.trees.nodes.tree import n_splits
 from tests.oracles.enumeration import optimum
 from tests.oracles.rational import least_cost
 from tests.oracles.strategies import random_problem
@@ -253,3 +254,31 @@ def test_few_splits_under_costs_are_those_of_a_list_of_all_trees(max_splits):
         )
         solution = branch_and_bound(problem)
         assert (solution.is_optimal, solution.objective) == (True, least_cost(problem)), seed
+
+
+# Ties: what is proven of the fewest splits and sensors is said. The fuzz holds both against enumeration
+
+
+def equal(depth: int = 2, **options: object) -> Problem:
+    """Return samples of which no split makes fewer errors than a leaf."""
+    return Problem([[0.0], [0.0], [1.0], [1.0]], [0, 1, 0, 1], depth=depth, **options)
+
+
+def test_a_tree_without_splits_takes_the_place_of_an_equal_one_with_some() -> None:
+    found = branch_and_bound(equal(), break_ties=True)
+    assert (found.tree, n_splits(found.tree)) == (Leaf(0), 0)
+    assert found.details["ties_broken"] == UNBROKEN | dict.fromkeys(("splits", "sensors"), "fewest, proven")
+    assert branch_and_bound(equal()).details["ties_broken"] == UNBROKEN
+
+
+@pytest.mark.parametrize(
+    ("options", "kind", "said"),
+    [
+        ({"weights": [0.1, 0.7, 1.3, 2.9]}, "splits", "not broken: the costs are too fine to count splits"),
+        ({"sensor_cost": [1.0, 2.0], "sensor_budget": 2.0}, "sensors", "not broken: a budget of sensors of different"),
+    ],
+)
+def test_why_ties_are_not_broken_is_said(options: dict[str, object], kind: str, said: str) -> None:
+    features = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]])
+    problem = Problem(features, [0, 1, 0, 1], depth=2, **options)
+    assert branch_and_bound(problem, break_ties=True).details["ties_broken"][kind].startswith(said)
