@@ -117,8 +117,7 @@ def selector_file(tmp_path):
     [
         ('"noise_sd": [\n  1.0', '"noise_sd": [\n  1e999', r"noise_sd\[0\] is inf; expected a finite number"),
         ('"noise_sd": [\n  1.0', '"noise_sd": [\n  0', r"noise_sd\[0\] is 0; expected a finite number of 1e-15"),
-        ('"only_load": 1.0', '"only_load": "1"', "only_load is '1'; expected a finite number"),
-        ('"only_load": null', '"only_load": {}', "only_load is {}; expected a finite number"),
+        ('"only_load": null', '"only_load": "1"', "only_load is '1'; expected a finite number"),
         ('"mu=0.5"', '"mu=0"', "state_names holds 'mu=0' 2 times"),
         ('"g2"', "[]", r"gauges\[1\] is \[\]; expected a text"),
         ('"threshold": 2.0', '"threshold": ' + "9" * 400, "tree.threshold is a whole number of more than 60 digits"),
@@ -128,8 +127,7 @@ def selector_file(tmp_path):
 def test_a_hostile_selector_is_refused_with_its_place(tmp_path, old, new, sentence):
     path = selector_file(tmp_path)
     text = path.read_text()
-    if old not in text:
-        pytest.skip("the other form of the entry")
+    assert old in text
     path.write_text(text.replace(old, new))
     with pytest.raises(OctmipError, match=sentence):
         ModelSelector.read(path)
