@@ -43,26 +43,14 @@ def test_each_tree_is_the_optimum_wherever_it_is_said_to_be(method, problem):
         assert best_tree.is_proven
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_no_tree_that_is_best_for_some_penalty_is_missed(seed):
-    rng = np.random.default_rng(seed)
-    problem = Problem(rng.integers(0, 6, (14, 2)).astype(float), rng.integers(0, 3, 14), depth=2)
-    path = trace_path(problem, method="exact")
-    for penalty in np.linspace(0, problem.baseline, 40):
-        best = path.best_at(penalty)
-        assert best.cost + penalty * best.complexity == pytest.approx(
-            optimum(problem.replace(leaf_penalty=penalty)).objective
-        )
-    assert path.n_solves <= 2 * len(path.trees) + 1
-
-
 @pytest.mark.parametrize("seed", range(12))
-def test_weights_costs_leaf_sizes_and_budgets_hold_along_the_path(seed):
+def test_no_tree_that_is_best_for_some_penalty_is_missed_with_weights_costs_leaf_sizes_and_budgets(seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, max_samples=8, max_depth=2)
     path = trace_path(problem, method="exact")
     assert all(best_tree.is_proven for best_tree in path.trees)
-    for penalty in rng.uniform(0, 1.2, 4) * problem.baseline:
+    assert path.n_solves <= 2 * len(path.trees) + 1
+    for penalty in rng.uniform(0, 1.2, 12) * problem.baseline:
         here, best = path.best_at(penalty), optimum(problem.replace(leaf_penalty=penalty))
         assert here.cost + penalty * here.complexity == pytest.approx(best.objective)
         certify(
