@@ -152,6 +152,8 @@ def test_an_ordered_category_becomes_its_rank():
     np.testing.assert_array_equal(columns.encode(table), [[2], [0], [1], [np.nan]])
     split = Split(0, 1.5, Leaf(0), Leaf(1), missing="left")
     assert columns.left_words(split) == "size is low or middle or missing"
+    grades = pd.DataFrame({"g": pd.Series([1, 3, 2], dtype=pd.CategoricalDtype([3, 2, 1], ordered=True))})
+    np.testing.assert_array_equal(Columns.learn(grades).encode(grades), [[2], [0], [1]])
     letters = Columns.learn(pd.DataFrame({"x": list("abcde")}), categories="order")
     words = [letters.left_words(Split(0, at, Leaf(0), Leaf(1))) for at in (0.5, 2.0, 3.5)]
     assert words == ["x is a", "x is a or b or c", "x is d or before it"]
