@@ -57,6 +57,7 @@ def test_every_parameter_with_a_range_is_an_effect():
     stiffness, gap = TWIN.effects["stiffness"], TWIN.effects["gap"]
     assert (stiffness.bounds, stiffness.is_one_sided, stiffness.unit) == ((-20.0, 20.0), False, "N/mm")
     assert (gap.bounds, gap.is_one_sided) == ((0.0, 0.5), True)
+    assert (stiffness.prior_sd, gap.prior_sd) == (10.0, 0.25)
     assert stiffness.signature(TWIN, {}, 100.0)[0] == pytest.approx(-100.0 / 100.0**2, rel=0.01)
     exact = stiffness.predict(TWIN, {}, 100.0, 15.0, "", 0.0)
     assert exact == pytest.approx(list(beam({"stiffness": 115.0, "gap": 0.0}, {"force": 100.0}).values()))
