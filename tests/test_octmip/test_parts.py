@@ -81,7 +81,7 @@ def test_a_certificate_refutes_a_tree_without_the_part(parts, tree, message):
         ({"path_rules": [("apart", "x0", "x0")]}, "expected 2 or more different features"),
         ({"path_rules": [("root-only", 7)]}, "names 7; expected one of the features"),
         ({"old_tree": OLD}, "old_tree and max_changes belong together"),
-        ({"old_tree": Split(5, 0.0, Leaf(0), Leaf(1)), "max_changes": 1}, "old_tree reads feature 5"),
+        ({"old_tree": Split(3, 0.0, Leaf(0), Leaf(1)), "max_changes": 1}, "old_tree reads feature 3"),
         ({"path_rules": [("apart", 0, 1)], "monotone": [1, 0, 0]}, "leave one of them out"),
     ],
 )
@@ -104,9 +104,16 @@ def test_a_given_threshold_beside_another_one_of_the_old_tree_is_a_change():
         solve(asked(**moved, max_changes=0))
 
 
-@pytest.mark.parametrize("parts", [{"fixed_splits": {"ROOT": "x2"}}, {"path_rules": [("apart", 0, 1)]}])
-def test_without_a_depth_the_price_bounds_the_search_and_ends_it(parts):
-    problem = asked(depth=None, leaf_penalty=6.0, **parts)
+@pytest.mark.parametrize(
+    ("price", "parts"),
+    [
+        (6.0, {"fixed_splits": {"ROOT": "x2"}}),
+        (40.0, {"fixed_splits": {"LL": "x2"}}),
+        (6.0, {"path_rules": [("apart", 0, 1)]}),
+    ],
+)
+def test_without_a_depth_the_price_bounds_the_search_and_ends_it(price, parts):
+    problem = asked(depth=None, leaf_penalty=price, **parts)
     found = solve(problem)
     assert (found.stop, found.objective) == (Stop.OPTIMAL, solve(problem.replace(depth=7)).objective)
     open_still = solve(problem.replace(depth=None, leaf_penalty=1.0), limits=Limits(nodes=100))
