@@ -89,6 +89,15 @@ def test_a_residual_does_not_know_the_state(library):
     assert parity.degrees(without) == parity.degrees(every) - 1
 
 
+def test_a_missing_gauge_leaves_the_evidence_of_the_unknown_a_lower_bound(watch):
+    readings = np.full((2, 20), 1.0)
+    readings[1, 4] = np.nan
+    monitor_state = watch.observe(watch.start(2), readings, 1.0)
+    every = Parity(watch.library, 3.0).degrees(np.ones(20, dtype=bool))
+    assert monitor_state.degrees.tolist() == [every, 20]
+    assert watch.observe(monitor_state, readings[::-1], 1.0).degrees.tolist() == [20, 20]
+
+
 def test_damage_outside_the_library_is_found_named_and_proposed(watch, library):
     monitor_state, _ = keep(watch, 60, 2, lambda k, x, load: x + (k >= 10) * load * BUMP)
     assert monitor_state.is_alarm.mean() >= 0.95
