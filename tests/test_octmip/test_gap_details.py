@@ -15,7 +15,8 @@ from octmip.gap import Campaign, Recorded, diagnose, function_twin, gathered, re
 from octmip.gap.campaign.campaign import ENOUGH_FOR_HALVES
 from octmip.gap.campaign.metered import MOST_LOADS, gathered_alike, looked_at
 from octmip.gap.campaign.noise_estimate import _moderated
-from octmip.gap.campaign.noise_parts import _has_trend, _with_outstanding, greatest
+from octmip.gap.campaign.noise_parts import _has_trend, _part_along, _with_outstanding, greatest
+from octmip.gap.campaign.spectrum import SHARED, SINGLE, coefficients, fit
 from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.doors.budget import OF_LOAD, OF_RANGE, _steps
 from octmip.gap.effects.chain import CROSSTALK, DEAD_GAUGE, MISALIGNMENT, POSITION_OFFSET, SWAPPED_PAIR, Moment
@@ -346,3 +347,12 @@ def test_the_next_test_separates_the_causes_of_the_library_whatever_the_unknown_
     tests = next_tests(found.model, alone, None)
     assert tests
     assert next_tests(found.model, [unknown, *beside], None) == tests
+
+
+@pytest.mark.parametrize(("is_single", "prior"), [(True, SINGLE), (False, SHARED)])
+def test_what_gauges_share_has_odds_of_its_own_to_wander(is_single, prior):
+    rng, direction = np.random.default_rng(3), np.full(3, 3**-0.5)
+    blocks = [rng.normal(size=(12, 3)) + 0.4 * rng.normal(size=(12, 1)).cumsum(axis=0) for _ in range(3)]
+    wanted = fit([coefficients(block @ direction[:, None]) for block in blocks], prior, has_trend=not is_single)
+    found = _part_along(blocks, direction, is_single).serial
+    assert (found.walk_probability, found.variance) == (wanted.walk_probability, wanted.variance)

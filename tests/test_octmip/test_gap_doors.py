@@ -75,6 +75,15 @@ def test_a_parameter_that_is_not_nominal_is_found_with_its_size(truth, size):
     assert recommend(diagnosis).startswith(f"Correct the {name}: it is ")
 
 
+def test_a_reading_that_is_zero_in_the_model_spoils_no_diagnosis():
+    twin = function_twin(
+        lambda p, loads: [p["k"] * loads["f"], 0.0], {"a": "mm", "b": "deg"}, {"k": (1, 0.8, 1.2)}, ("f",)
+    )
+    rng = np.random.default_rng(1)
+    rows = [Recorded(rng.normal([force, 0.0], 0.01), {"f": force}) for force in np.repeat([1.0, 2.0], 8)]
+    assert recommend(diagnose(gathered(twin, rows), twin)).startswith("Nothing to do: ")
+
+
 def test_a_parameter_whose_nominal_value_is_the_greatest_falls():
     twin = function_twin(
         lambda p, loads: [p["efficiency"] * loads["power"]], {"out": "W"}, {"efficiency": (1.0, 0.6, 1.0)}, ("power",)
