@@ -4,9 +4,8 @@ method    solver                                    starts from          bound f
 cart      scikit-learn's CART                       nothing              none
 search    local search                              itself               none
 exact     branch and bound over thresholds          search from depth    exact
-                                                    5 on; below, search
-                                                    follows a proof that
-                                                    time or memory ends
+                                                    5 on; a search within
+                                                    the proof, see `solve`
           hyperplanes of at most two features to    the best axis-       exact
           depth 2: boxes of lines                   aligned tree
 oct       Bertsimas & Dunn's OCT, HiGHS             CART or search       HiGHS
@@ -35,7 +34,7 @@ from octmip.trees.question.problem import Problem
 from octmip.trees.regression.ordered import freed, in_order
 from octmip.trees.runs.drawn_rows import setup_seconds, tree_of_drawn_rows
 from octmip.trees.runs.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chosen_method, solvers_of
-from octmip.trees.runs.solver_call import Call, options_for
+from octmip.trees.runs.solver_call import Call, options_for, pause_of, quiet
 
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
 SEARCH_SHARE, FIRST_RESTARTS = 0.2, 4  # few restarts: after the first ones a proof gains more from the time
@@ -56,7 +55,8 @@ def solve(
     """Return the best tree that a method finds within the limits, and the bound that it proves.
 
     Where no incumbent is given, an exact proof from depth 5 on (10,000 samples: 4) begins with a local search for at
-    most a fifth of the time limit. Else one follows where four fifths of the time or the memory did not suffice.
+    most a fifth of the time limit. Under "auto" it pauses for one as soon as its bound is a smaller share of the tree
+    than the time spent is of the limit; under "exact" it does so after four fifths of the time.
     HiGHS begins with CART's tree (`MipOptions(start="search")`: one of local search). The better of incumbent and
     proof's own tree is returned; `details["tree_by"]` says who found it. Ctrl-C returns the best tree so far
     (`Stop.INTERRUPTED`). Where the time does not suffice to set up a proof of a large table, the tree is one of search,
@@ -303,23 +303,24 @@ def _result(call: Call, name: str, first: Solution | None) -> Solution:
     setup, seconds = setup_seconds(call.problem, name, call.run.options), call.run.limits.seconds
     if first is None and seconds < 2 * setup:
         return tree_of_drawn_rows(call)
+    is_given = first is not None
     if first is None and _wants_incumbent(call.problem, name, call.run.options):
         first = _first_tree(call, name, share=max(SEARCH_SHARE, setup / seconds if setup else 0.0))
         if first.stop is Stop.INTERRUPTED:
             return first
     if first is not None and call.run.limits.remaining(call.start).seconds < setup:
         return replace(first, stop=Stop.TIME if first.stop is Stop.FINISHED else first.stop)
-    is_alone = solvers_of(call.problem)[name] in {EXACT, SHAPED} and (first is None or first.solver == SHALLOWER)
+    pause = None if is_given else pause_of(call, name, first)
+    proof = call if pause is None else replace(call, run=replace(call.run, progress=pause))
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
-    solution = checked_solution(call.problem, _solved(call, name, first, 1.0 - SEARCH_SHARE if is_alone else 1.0))
-    if is_alone and solution.stop in {Stop.TIME, Stop.MEMORY}:
-        # A search knows no bound: what was shown of the proof's stays the last that is shown.
-        quiet = replace(call, run=replace(call.run, progress=None))
-        is_short = first is None and call.run.limits.remaining(call.start).seconds < 2 * setup
-        if is_short:
-            first = tree_of_drawn_rows(quiet)
-        else:  # no worse than where it starts
-            first = _first_tree(quiet, name, first.tree if first else None, share=1.0)
+    solution = checked_solution(call.problem, _solved(proof, name, first, 1.0 if pause is None else pause.proof_share))
+    if pause is not None:
+        if not pause.n_searches and solution.stop in {Stop.TIME, Stop.MEMORY}:
+            if first is None and call.run.limits.remaining(call.start).seconds < 2 * setup:
+                pause.found = tree_of_drawn_rows(quiet(call))
+            else:
+                pause.look()
+        first = pause.found
     if not solvers_of(call.problem)[name].proves:
         return solution
     solution = _with_better_tree(solution, first)

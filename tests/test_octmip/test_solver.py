@@ -64,7 +64,7 @@ def test_a_proof_starts_from_a_tree_of_search(registered):
     assert call["incumbent"] == ZERO_ERRORS
     assert call["seed"] == 3
     assert call["n_jobs"] == 2
-    assert 99 < call["limits"].seconds < 100
+    assert 98 < call["limits"].seconds < 99  # one is left to a search
 
 
 def test_a_shallow_exact_proof_starts_at_once(registered):
@@ -228,3 +228,32 @@ def test_no_solver_is_given_more_seconds_than_are_left(asked, monkeypatch):
     monkeypatch.setattr(registry.Registration, "load", watched)
     solve(asked, limits=Limits(seconds=100.0))
     assert 0 < max(given) <= 100
+
+
+@pytest.mark.parametrize(
+    ("method", "states", "n_searches"),
+    [
+        ("auto", [(10.0, 0.0)], 0),  # too soon
+        ("auto", [(20.0, 0.5)], 0),  # the bound is a greater share of 2.0 than the time of 100 s
+        ("auto", [(20.0, 0.0), (20.1, 0.0)], 2),  # as long as the search took, which is 0 s here
+        ("auto", [(20.0, 0.3)], 1),
+        ("exact", [(79.0, 0.0)], 0),
+        ("exact", [(81.0, 0.0)], 1),
+    ],
+)
+def test_a_proof_whose_bound_lags_behind_the_clock_pauses_for_a_search(registered, method, states, n_searches):
+    def lagging(problem, *, progress, **study):
+        for seconds, bound in states:
+            progress(solver.Progress(seconds, 2.0, bound, 1))
+        return answering(tree=Leaf(0), objective=2.0, bound=0.0, stop=Stop.NODES)(problem, progress=progress, **study)
+
+    registered("exact", lagging)
+    stump = answering(tree=Split(0, 0.5, Leaf(0), Leaf(1)), objective=1.0, bound=-math.inf, stop=Stop.FINISHED)
+    search = registered("search", stump, proves=False)
+    shown = []
+    solution = solve(STRIPES, method, Limits(seconds=100), seed=3, progress=shown.append)
+    assert len(search.calls) == n_searches
+    assert len({call["seed"] for call in search.calls}) == n_searches
+    assert solution.objective == (1.0 if n_searches else 2.0)
+    assert solution.details["tree_by"] == ("answering" if n_searches else "exact")
+    assert [state.objective for state in shown] == [2.0, 1.0][: len(states)]

@@ -1,9 +1,9 @@
 """The price of an option: CPU seconds of a proof with it over those of the proof without, on public tables.
 
 The options: a least number of samples in a leaf (2, 5, 20, or 1 % of the rows), the same with a budget of three
-columns, one or two splits fewer than the depth has room for, and a proof log. Of numbers, the first column of each
-table by the others: leaves of 5 and other errors over squared error. A proof that its limit ends counts with the
-seconds at which it stopped.
+columns, one or two splits fewer than the depth has room for, two changes of CART's tree, and a proof log. Of numbers,
+the first column of each table by the others: leaves of 5 and other errors over squared error. A proof that its limit
+ends counts with the seconds at which it stopped.
 """
 
 import re
@@ -29,16 +29,17 @@ DEPTHS = (2, 3)
 SHORTEST = 0.005
 """CPU seconds of the least proof that is divided by: the clock's step, and what every call takes."""
 
-OPTIONS: Mapping[str, Callable[[int, int], ShapeKeywords]] = {
-    "leaf size 2": lambda _, __: {"leaf_size": 2},
-    "leaf size 5": lambda _, __: {"leaf_size": 5},
-    "leaf size 20": lambda _, __: {"leaf_size": 20},
-    "leaf size 1 %": lambda n, _: {"leaf_size": max(1, n // 100)},
-    "leaf size 5, budget of 3": lambda _, __: {"leaf_size": 5, "sensor_budget": 3},
-    "one split fewer": lambda _, depth: {"max_splits": 2**depth - 2},
-    "two splits fewer": lambda _, depth: {"max_splits": 2**depth - 3},
-    "log": lambda _, __: {},
-    "log, leaf size 5": lambda _, __: {"leaf_size": 5},
+OPTIONS: Mapping[str, Callable[[Problem], ShapeKeywords]] = {
+    "leaf size 2": lambda _: {"leaf_size": 2},
+    "leaf size 5": lambda _: {"leaf_size": 5},
+    "leaf size 20": lambda _: {"leaf_size": 20},
+    "leaf size 1 %": lambda free: {"leaf_size": max(1, free.samples.n_samples // 100)},
+    "leaf size 5, budget of 3": lambda _: {"leaf_size": 5, "sensor_budget": 3},
+    "one split fewer": lambda free: {"max_splits": 2**free.shape.depth - 2},
+    "two splits fewer": lambda free: {"max_splits": 2**free.shape.depth - 3},
+    "two changes": lambda free: {"old_tree": solve(free, "cart").tree, "max_changes": 2},
+    "log": lambda _: {},
+    "log, leaf size 5": lambda _: {"leaf_size": 5},
 }
 OF_NUMBERS: Mapping[str, tuple[NumberLoss, ShapeKeywords]] = {
     "squared, leaf size 5": (SquaredError(), {"leaf_size": 5}),
@@ -63,21 +64,13 @@ def results(limit: float, threads: Sequence[int], names: Sequence[str] = (), onl
         if np.isnan(features).any():
             of_numbers = {}  # proofs for numbers take no missing readings
         for depth in DEPTHS:
-            wanted = {
-                option: Problem(features, labels, **_of_depth(depth, asked(len(labels), depth)))
-                for option, asked in of_classes.items()
-            }
-            yield from _lines(name, Problem(features, labels, depth=depth), wanted, limit)
+            free = Problem(features, labels, depth=depth)
+            wanted = {option: free.replace(**asked(free)) for option, asked in of_classes.items()}
+            yield from _lines(name, free, wanted, limit)
             if of_numbers:
-                wanted = {
-                    option: Problem(columns, targets, loss=loss, **_of_depth(depth, asked))
-                    for option, (loss, asked) in of_numbers.items()
-                }
-                yield from _lines(name, Problem(columns, targets, depth=depth, loss=SquaredError()), wanted, limit)
-
-
-def _of_depth(depth: int, shape: ShapeKeywords) -> ShapeKeywords:
-    return {**shape, "depth": depth}
+                free = Problem(columns, targets, depth=depth, loss=SquaredError())
+                wanted = {option: free.replace(loss=loss, **asked) for option, (loss, asked) in of_numbers.items()}
+                yield from _lines(name, free, wanted, limit)
 
 
 def _lines(name: str, free: Problem, wanted: Mapping[str, Problem], limit: float) -> Iterator[Line]:

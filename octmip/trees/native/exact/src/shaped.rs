@@ -11,15 +11,21 @@
 //! last_cuts  cuts whose sides are leaves
 //! rules      given splits, features that may not follow each other, an old tree
 //! left       the features that are left beside those that a path has banned
+//! obeys      whether trees and cuts have those parts
+//! old_tree   what its splits cost where they stay
+//! changes    bounds for trees that change few splits of an old one
 //! parts      the best tree that obeys them, from the best one that need not as a bound
 //! ```
 
 mod boxes;
+mod changes;
 mod coupled;
 mod few;
 mod last_cuts;
 mod left;
 mod monotone;
+mod obeys;
+mod old_tree;
 mod parts;
 mod rules;
 mod stump;

@@ -91,6 +91,12 @@ impl Axis {
         self.enter(last, [whole, 0], [whole, 0]);
     }
 
+    /// Lay out the cuts alone.
+    pub(crate) fn lay_positions(&mut self, samples: &Samples, view: &View, f: usize) {
+        self.make_room(view.len + 1);
+        self.lay_cuts(samples, view, f);
+    }
+
     /// Positions and total ranges: of every sample one, where no two have the same value.
     fn lay_cuts(&mut self, samples: &Samples, view: &View, f: usize) {
         let smallest = samples.leaf_size.max(1);

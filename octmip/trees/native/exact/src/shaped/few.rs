@@ -323,7 +323,7 @@ impl<'a> Few<'a> {
 }
 
 /// The cuts of an interval that a feature's axis leaves open, and the next of them.
-fn open(axis: &Axis, interval: Interval, target: i64) -> Option<(Interval, usize)> {
+pub(super) fn open(axis: &Axis, interval: Interval, target: i64) -> Option<(Interval, usize)> {
     let interval = axis.narrow(interval, target)?;
     axis.pick(&interval, target).map(|k| (interval, k))
 }

@@ -19,43 +19,48 @@ use crate::samples::Samples;
 use crate::shaped::few::{Few, least_size};
 use crate::shaped::last_cuts::{Cut, last_cuts};
 use crate::shaped::left::{Left, with};
+use crate::shaped::old_tree::Kept;
 use crate::shaped::rules::{NO_LIMIT, Named, Rules};
 use crate::shaped::wanted::Known;
 use crate::view::View;
 use octmip_frame::effort::Control;
-use octmip_frame::tree::{Node as Row, Tree};
+use octmip_frame::tree::Tree;
 
 /// So many changes are allowed one by one before all are.
 const MOST_CHANGES_FIRST: usize = 6;
 
 /// What is asked for at a node.
 #[derive(Debug, Clone)]
-struct Asked {
-    given: Option<usize>,
-    old: Option<usize>,
+pub(super) struct Asked {
+    pub(super) given: Option<usize>,
+    pub(super) old: Option<usize>,
     /// Changes that are left below.
-    changes: usize,
+    pub(super) changes: usize,
     /// Of each usable feature (`p`).
-    banned: Arc<[bool]>,
+    pub(super) banned: Arc<[bool]>,
     /// The search that bounds this node: over features that hold all those left.
     free: usize,
-    depth: usize,
+    pub(super) depth: usize,
     splits: usize,
 }
 
 /// A tree that was found and its cost.
-type Found = Option<(i64, Tree)>;
+pub(super) type Found = Option<(i64, Tree)>;
 
 /// A search for trees with parts that are asked for.
 pub(super) struct Parts<'a> {
-    samples: &'a Samples,
-    rules: &'a Rules,
+    pub(super) samples: &'a Samples,
+    pub(super) rules: &'a Rules,
     /// Of each usable feature those that are banned below it.
-    bans: Vec<Vec<usize>>,
+    pub(super) bans: Vec<Vec<usize>>,
     lefts: &'a [Left],
-    free: Vec<Few<'a>>,
-    control: &'a Control,
-    marks: Vec<bool>,
+    pub(super) free: Vec<Few<'a>>,
+    pub(super) control: &'a Control,
+    pub(super) marks: Vec<bool>,
+    /// The old tree place by place, where its changes are bounded as in `changes`.
+    pub(super) kept: Option<Vec<Kept>>,
+    /// What the best tree of any number of changes costs; how many it makes, where it has the other parts, and itself.
+    free_root: Option<(i64, Option<(usize, Tree)>)>,
     n_solved: u64,
 }
 
@@ -68,10 +73,13 @@ impl<'a> Parts<'a> {
         control: &'a Control,
         (depth, splits): (usize, usize),
     ) -> Self {
+        let is_simple = samples.leaf_size <= 1 && lefts.len() == 1 && !rules.old.is_empty();
         Self {
+            kept: if is_simple { Kept::of_all(samples, rules) } else { None },
             bans: rules.bans_of(&samples.features),
             free: lefts.iter().map(|left| Few::new(&left.samples, control, depth, splits)).collect(),
             marks: vec![false; samples.n],
+            free_root: None,
             n_solved: 0,
             samples,
             rules,
@@ -99,7 +107,11 @@ impl<'a> Parts<'a> {
             (1..most).map(|depth| (depth, last.1)).collect()
         };
         for (depth, changes) in sizes.into_iter().chain([last]) {
-            if !is_near && depth > levels_below(known.best().0, price, most).max(1) {
+            if let Some((cost, tree)) = self.free_within(changes) {
+                known.see(cost, || tree);
+            }
+            let is_known = self.free_root.as_ref().is_some_and(|free| known.best().0 <= free.0);
+            if is_known || (!is_near && depth > levels_below(known.best().0, price, most).max(1)) {
                 break;
             }
             let asked = Asked {
@@ -129,6 +141,12 @@ impl<'a> Parts<'a> {
         known.raise(known.best().0);
     }
 
+    /// The best tree of any number of changes, where it is known and makes no more than so many.
+    fn free_within(&self, changes: usize) -> Found {
+        let (cost, Some((made, tree))) = self.free_root.as_ref()? else { return None };
+        (*made <= changes).then(|| (*cost, tree.clone()))
+    }
+
     /// The best tree of a node if it costs less than `upper`; at the root, bounds are shown.
     fn solve_node(&mut self, view: &View, asked: &Asked, upper: i64, known: Option<(&Known, i64)>) -> Found {
         self.count();
@@ -143,20 +161,34 @@ impl<'a> Parts<'a> {
         if is_leaf || asked.depth == 0 || is_small || upper <= self.samples.penalty {
             return best;
         }
-        // Where all splits stay there is one cut, and nothing to bound.
-        if asked.changes > 0 || asked.old.is_none() {
-            let Some((cost, free)) = self.free_tree(view, &asked, upper) else { return best };
+        // Where all splits stay there is one cut, and nothing to bound. All samples are searched once.
+        let is_bounded = known.is_some() && self.free_root.is_some();
+        if (asked.changes > 0 || asked.old.is_none()) && !is_bounded {
+            let found = self.free_tree(view, &asked, upper);
             if self.control.is_stopped() {
                 return best;
             }
             let ids: Vec<u32> = view.ids(self.samples).collect();
-            let changes = self.changes_of(&free, 0, &ids, (asked.given, asked.old), &asked.banned);
-            if changes.is_some_and(|changes| changes <= asked.changes) {
-                return Some((cost, free));
+            let below = (asked.given, asked.old);
+            let found = found.map(|(cost, free)| (cost, self.changes_of(&free, 0, &ids, below, &asked.banned), free));
+            if let Some((cost, Some(changes), free)) = &found
+                && *changes <= asked.changes
+            {
+                return Some((*cost, free.clone()));
             }
+            let cost = found.as_ref().map_or(upper, |found| found.0);
             if let Some((known, others)) = known {
-                known.raise(cost.min(others));
+                known.raise(if asked.old.is_some() { cost } else { cost.min(others) });
             }
+            if found.is_none() {
+                return best;
+            }
+            if known.is_some() && asked.old.is_some() {
+                self.free_root = Some((cost, found.and_then(|(_, changes, free)| Some((changes?, free)))));
+            }
+        }
+        if self.has_few_changes(&asked) {
+            return self.by_changes(view, &asked, upper).or(best);
         }
         let Some(mut cuts) = self.cuts(view, &asked, upper) else { return best };
         cuts.sort_by_key(|cut| cut.2[0] + cut.2[1]);
@@ -218,45 +250,6 @@ impl<'a> Parts<'a> {
         (left.columns.len() < self.samples.p).then(|| View::subset(&left.samples, &ids()))
     }
 
-    /// How many changes of the old tree a tree makes; None where it breaks a rule.
-    fn changes_of(
-        &self,
-        tree: &Tree,
-        row: usize,
-        ids: &[u32],
-        (given, old): (Option<usize>, Option<usize>),
-        banned: &Arc<[bool]>,
-    ) -> Option<usize> {
-        let named = given.map(|given| &self.rules.given[given]);
-        let before = old.map(|old| &self.rules.old[old]);
-        let Row::Split { feature, cut, left, right } = &tree.nodes[row] else {
-            return named.is_none_or(|named| named.n_splits == 0).then(|| before.map_or(0, |old| old.n_splits));
-        };
-        let f = self.samples.features.iter().position(|usable| usable == feature)?;
-        let ranks = self.samples.ranks_of(f);
-        let (lefts, rights): (Vec<u32>, Vec<u32>) = ids.iter().partition(|&&i| ranks[i as usize] <= *cut);
-        let sides = [lefts, rights];
-        let is_named = |named: &Named| self.is_named(named, f, sides[0].len(), ids);
-        if banned[f] || named.is_some_and(|named| named.is_leaf || (!named.splits.is_empty() && !is_named(named))) {
-            return None;
-        }
-        let mut changes = usize::from(!before.is_some_and(is_named));
-        let below = with(banned, &self.bans[f]);
-        for (side, child) in [*left, *right].into_iter().enumerate() {
-            let rows = (named.and_then(|named| named.sides[side]), before.and_then(|old| old.sides[side]));
-            changes += self.changes_of(tree, child as usize, &sides[side], rows, &below)?;
-        }
-        Some(changes)
-    }
-
-    /// Whether a cut that sends so many samples left is the one that is named: it parts these samples alike.
-    fn is_named(&self, named: &Named, f: usize, n_left: usize, ids: &[u32]) -> bool {
-        let ranks = self.samples.ranks_of(f);
-        let count = |cut: u32| ids.iter().filter(|&&i| ranks[i as usize] <= cut).count();
-        let column = self.samples.features[f];
-        named.splits.iter().any(|&(of, cut)| of == column && cut.is_none_or(|cut| count(cut) == n_left))
-    }
-
     /// The cuts of a node that obey and whose sides may cost less than `upper` together; None when stopped.
     fn cuts(&mut self, view: &View, asked: &Asked, upper: i64) -> Option<Vec<Cut>> {
         let named = asked.given.map(|given| &self.rules.given[given]).filter(|named| !named.splits.is_empty());
@@ -273,27 +266,6 @@ impl<'a> Parts<'a> {
         let found = self.found_cuts(view, asked, upper, &wanted)?;
         let cuts = found.into_iter().map(|(g, position, bounds)| (columns[g], position, bounds));
         Some(cuts.filter(|cut| self.obeys(view, cut, asked)).collect())
-    }
-
-    fn named_cuts(&self, view: &View, named: &Named) -> Vec<Cut> {
-        let least = self.samples.leaf_size.max(1);
-        let mut cuts = Vec::new();
-        for &(column, cut) in &named.splits {
-            let Some(f) = self.samples.features.iter().position(|&usable| usable == column) else { continue };
-            let (ranks, list) = (self.samples.ranks_of(f), view.list(f));
-            let position = list.partition_point(|&i| cut.is_none_or(|cut| ranks[i as usize] <= cut));
-            if position >= least && view.len - position >= least {
-                cuts.push((f, position, [0, 0]));
-            }
-        }
-        cuts
-    }
-
-    fn obeys(&self, view: &View, &(f, position, _): &Cut, asked: &Asked) -> bool {
-        let is_named = |named: &Named| self.is_named(named, f, position, view.list(f));
-        let is_kept = asked.changes > 0 || asked.old.is_none_or(|old| is_named(&self.rules.old[old]));
-        let given = asked.given.map(|given| &self.rules.given[given]).filter(|named| !named.splits.is_empty());
-        !asked.banned[f] && is_kept && given.is_none_or(is_named)
     }
 
     /// Cuts of some of the features that are left, numbered among these.
@@ -328,7 +300,7 @@ impl<'a> Parts<'a> {
     }
 
     /// The best tree with this cut at its root, if it costs less than `upper`: splits and changes are shared out.
-    fn both(&mut self, view: &View, asked: &Asked, (f, position, bounds): Cut, mut upper: i64) -> Found {
+    pub(super) fn both(&mut self, view: &View, asked: &Asked, (f, position, bounds): Cut, mut upper: i64) -> Found {
         let mut views = [View::default(), View::default()];
         view.split(self.samples, f, position, &mut self.marks, &mut views);
         let cut = self.samples.ranks_of(f)[view.list(f)[position - 1] as usize];
@@ -340,7 +312,7 @@ impl<'a> Parts<'a> {
         };
         let sides = [0, 1].map(|side| self.below(asked, f, side));
         let most = (1 << (asked.depth - 1).min(20)) - 1;
-        let most_changes = sides.each_ref().map(|side| side.old.map_or(0, |old| self.rules.old[old].n_splits) + most);
+        let most_changes = self.most_changes(sides.each_ref().map(|side| side.old), asked.depth - 1);
         let mut best = None;
         for splits in shares(asked.splits - 1, [most, most]) {
             for changes in shares(changes, most_changes) {
@@ -378,7 +350,7 @@ impl<'a> Parts<'a> {
 }
 
 /// The ways to share out a number between two sides that have use for so many at most: one where it suffices for both.
-fn shares(number: usize, most: [usize; 2]) -> Vec<[usize; 2]> {
+pub(super) fn shares(number: usize, most: [usize; 2]) -> Vec<[usize; 2]> {
     if number >= most[0] + most[1] {
         return vec![if number == NO_LIMIT { [NO_LIMIT; 2] } else { most }];
     }

@@ -32,19 +32,27 @@ impl Axis {
 
     /// The same where the child on this side is a leaf: what that costs.
     pub(crate) fn take_up_leaves(&mut self, samples: &Samples, view: &View, f: usize, side: usize) {
-        let last = self.last();
-        self.least_of.iter_mut().for_each(|least| least.resize(last + 1, 0));
         let mut gains = [vec![0; samples.n_labels], view.totals.clone()];
         let mut from = 0;
-        for (k, &to) in self.positions.iter().enumerate().take(last + 1) {
-            for &i in &view.list(f)[from..to as usize] {
-                samples.count(i, 1, &mut gains[0]);
-                samples.count(i, -1, &mut gains[1]);
-            }
-            from = to as usize;
-            let range = [self.total_range[k], view.total_range - self.total_range[k]];
-            self.least_of[side][k] = range[side] - gains[side].iter().copied().max().unwrap_or(0);
-        }
+        let ends = self.positions[..=self.last()].iter().zip(&self.total_range);
+        let costs: Vec<i64> = ends
+            .map(|(&to, &total_range)| {
+                for &i in &view.list(f)[from..to as usize] {
+                    samples.count(i, 1, &mut gains[0]);
+                    samples.count(i, -1, &mut gains[1]);
+                }
+                from = to as usize;
+                let range = [total_range, view.total_range - total_range];
+                range[side] - gains[side].iter().copied().max().unwrap_or(0)
+            })
+            .collect();
+        self.take_up_costs(side, &costs);
+    }
+
+    /// The same where the cost of the child on this side is known at each cut.
+    pub(crate) fn take_up_costs(&mut self, side: usize, costs: &[i64]) {
+        self.least_of.iter_mut().for_each(|least| least.resize(costs.len(), 0));
+        self.least_of[side].copy_from_slice(costs);
         self.has_least = true;
     }
 
