@@ -15,8 +15,8 @@ from octmip.gap import Campaign, Recorded, diagnose, function_twin, gathered, re
 from octmip.gap.campaign.campaign import ENOUGH_FOR_HALVES
 from octmip.gap.campaign.metered import MOST_LOADS, gathered_alike, looked_at
 from octmip.gap.campaign.noise_estimate import _moderated
-from octmip.gap.campaign.noise_parts import _has_trend, _part_along, _with_outstanding, greatest
-from octmip.gap.campaign.spectrum import SHARED, SINGLE, coefficients, fit
+from octmip.gap.campaign.noise_parts import _has_trend, _part_along, _shared, _with_outstanding, greatest
+from octmip.gap.campaign.spectrum import SHARED, SINGLE, WHITE, coefficients, fit
 from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.doors.budget import OF_LOAD, OF_RANGE, _steps
 from octmip.gap.effects.chain import CROSSTALK, DEAD_GAUGE, MISALIGNMENT, POSITION_OFFSET, SWAPPED_PAIR, Moment
@@ -282,6 +282,15 @@ def test_directions_that_gauges_share_stand_out_of_white_noise_and_no_others():
     assert _with_outstanding(np.zeros((6, 0)), 9.0 * np.ones((3, 6)), 3.0).shape == (6, 0)
     most = [np.linalg.norm(rng.standard_normal((50, 8)), 2) ** 2 / 50.0 for _ in range(300)]
     assert 0.55 * greatest(50.0, 8) < np.median(most) < max(most) < greatest(50.0, 8)
+
+
+def test_a_pattern_that_stands_out_over_long_periods_alone_is_shared():
+    rng, way = np.random.default_rng(4), np.full(6, 6**-0.5)
+    slow = np.cos(3 * np.pi * (np.arange(80) + 0.5) / 80)
+    for size, n_shared in ((0.0, 0), (1.2, 1)):
+        blocks = [rng.standard_normal((80, 6)) + size * np.outer(slow, way) for _ in range(3)]
+        assert _with_outstanding(np.zeros((6, 0)), np.concatenate(blocks), 240.0).shape == (6, 0)
+        assert _shared(blocks, WHITE, 1.0, np.zeros((6, 0))).shape == (6, n_shared)
 
 
 def test_trends_of_one_pattern_over_the_gauges_are_no_noise():

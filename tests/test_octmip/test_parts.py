@@ -280,6 +280,12 @@ def test_a_rule_of_one_column_is_refused():
         rules_of_columns([["root-only", "z"]], ["a", "a", "b"])
 
 
+@pytest.mark.parametrize("order", [1, -1])
+def test_rules_of_columns_are_those_of_each_rule(order):
+    columns, rules = ["a", "a", "b"], [["apart", "a", "b"], ["not-below", "a", "b"], ["root-only", "b"]][::order]
+    assert rules_of_columns(rules, columns) == [one for rule in rules for one in rules_of_columns([rule], columns)]
+
+
 @pytest.mark.parametrize("parts", [{"fixed_splits": {"ROOT": 0}}, {"old_tree": OLD, "max_changes": 0}])
 def test_a_choice_among_prices_names_the_part_that_allows_no_leaf(parts):
     with pytest.raises(ProblemError, match=f"{list(parts)[-1]} allows no leaf"):
