@@ -36,7 +36,7 @@ from benchmarks.mutants.pytest_runs import PytestRuns
 from benchmarks.tables import Line, markdown
 
 ROOT = Path(__file__).parents[2]
-PYTHON = ("octmip/trees", "octmip/gap", "octmip/formats", "femlib/strength.py", "femlib/rom")
+PYTHON = ("octmip/trees", "octmip/gap", "octmip/formats", "octmip/recordings", "femlib/strength.py", "femlib/rom")
 CORE = "octmip/trees/_native*.so"
 NOT_COPIED = shutil.ignore_patterns(".*", "target", "results", "site", "dist")
 STREAM = 97
