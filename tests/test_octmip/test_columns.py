@@ -10,6 +10,7 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
+from octmip.input.cells import text_by_number
 from octmip.trees.nodes.tree import Leaf, Split
 
 
@@ -143,6 +144,11 @@ def test_a_column_that_lost_its_values_is_a_constant_beside_the_others():
 def test_a_question_mark_among_texts_is_missing():
     columns = Columns.learn(pd.DataFrame({"x": ["a", "?", "b", "NA"]}))
     assert columns.feature_names == ("x is NA", "x is a", "x is b", "x is missing")
+
+
+def test_a_number_stands_for_the_first_text_that_says_it():
+    assert text_by_number(["1", "1.0", "x"], are_truths=False) == {1.0: "1", None: "x"}
+    assert text_by_number(["TRUE", "true"], are_truths=True) == {1.0: "TRUE", 0.0: "false"}
 
 
 def test_an_ordered_category_becomes_its_rank():

@@ -280,6 +280,11 @@ def test_a_rule_of_one_column_is_refused():
         rules_of_columns([["root-only", "z"]], ["a", "a", "b"])
 
 
+@pytest.mark.parametrize("most", range(4))
+def test_a_leaf_has_the_parts_of_an_old_tree_where_every_split_may_go(most):
+    assert asked(old_tree=OLD, max_changes=most).shape.is_leaf_allowed == (most >= 2)
+
+
 @pytest.mark.parametrize("order", [1, -1])
 def test_rules_of_columns_are_those_of_each_rule(order):
     columns, rules = ["a", "a", "b"], [["apart", "a", "b"], ["not-below", "a", "b"], ["root-only", "b"]][::order]

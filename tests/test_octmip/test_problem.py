@@ -110,7 +110,9 @@ def test_the_digest_knows_the_training_data_and_nothing_else():
     changed = FEATURES.copy()
     changed[2, 1] = np.nextafter(changed[2, 1], 99)
     others = [{"features": changed}, {"targets": ["a", "a", "b", "b"]}, {"weights": [1, 1, 1, 2]}]
-    assert len({problem(**other).digest() for other in [{}, *others]}) == 4
+    others += [{"targets": ["a", "b", "c", "b"], "class_names": names} for names in (["a", "b", "c"], ["c", "b", "a"])]
+    others += [{"targets": ["a", "b", "d", "b"]}]
+    assert len({problem(**other).digest() for other in [{}, *others]}) == 7
     assert len({question_digest(problem(max_splits=most)) for most in (1, 2, 3, None)}) == 3  # 3 are no limit
 
 
@@ -146,6 +148,10 @@ WRONG = {
     "splits of 1.5": ({"max_splits": 1.5}, "max_splits is 1.5"),
     "negative penalty": ({"leaf_penalty": -1.0}, r"leaf_penalty is -1\.0"),
     "infinite penalty": ({"leaf_penalty": np.inf}, "leaf_penalty is inf"),
+    "prices beyond float64": (
+        {"depth": 1, "split": "hyperplane", "split_size": 2, "leaf_penalty": 1e308},
+        "leaf_penalty, up to inf in all",
+    ),
     "unknown split": ({"split": "curve"}, "split is 'curve'"),
     "split size of axis": ({"split_size": 2}, "split is 'axis'; say split='hyperplane'"),
     "split size 0": ({"split": "hyperplane", "split_size": 0}, "split_size is 0"),
@@ -298,8 +304,9 @@ def test_a_table_is_read_in_blocks_of_rows(monkeypatch):
     lacking = np.array([[0.0, np.nan], [1.0, 2.0], [np.nan, np.nan]])
     monkeypatch.setattr(problem_values, "BLOCK", 2)
     assert problem().digest() == whole
-    p = Problem(lacking, [0, 1, 1], depth=1)
+    p, turned = (Problem(rows, [0, 1, 1], depth=1) for rows in (lacking, lacking[[2, 0, 1]]))
     assert (p.samples.n_missing, p.samples.features_with_missing) == (3, (0, 1))
+    assert turned.samples.features_with_missing == (0, 1)
 
 
 @pytest.mark.parametrize(
