@@ -152,6 +152,10 @@ WRONG = {
         {"depth": 1, "split": "hyperplane", "split_size": 2, "leaf_penalty": 1e308},
         "leaf_penalty, up to inf in all",
     ),
+    "order of linear leaves": (
+        {"monotone": [1, 0, 0], "leaf_model": "linear", "loss": SquaredError(), "targets": range(4)},
+        "monotone is given but split is 'axis' and leaf_model 'linear'",
+    ),
     "unknown split": ({"split": "curve"}, "split is 'curve'"),
     "split size of axis": ({"split_size": 2}, "split is 'axis'; say split='hyperplane'"),
     "split size 0": ({"split": "hyperplane", "split_size": 0}, "split_size is 0"),
