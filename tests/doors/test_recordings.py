@@ -98,6 +98,7 @@ def test_one_command_tells_of_a_recording_what_the_table_of_the_same_truth_tells
     [
         ("run.tdms", "run.tdms is a recording (TDMS); expected --steady, or --windows START,END"),
         ("run.tdms --steady --readings g1=Beam/g9", "run.tdms has no channel 'Beam/g9'; expected one of its 5"),
+        ("run.tdms --steady --readings g1=Beam/g1 g1=Beam/g2", "--readings names g1 twice; expected NAME=VALUE"),
         ("run.mseed --steady", "run.mseed: no channel is the load 'force'; expected --loads force=CHANNEL"),
         ("run.tdms --steady --readings g1=Beam/g2", "channel 'Beam/g2' is g1 and g2; expected a channel for each"),
         ("volts.tdms --steady", "column g1 is in 'V'; expected microstrain"),

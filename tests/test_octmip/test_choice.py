@@ -88,6 +88,11 @@ def test_every_alpha_of_every_depth_has_its_step():
 
 def test_the_tree_that_generalises_is_chosen_and_fitted_to_all_samples():
     choice = choose_tree(noisy_step(), method="exact", seed=1)
+    rows = choice.table()
+    assert [row["validation_cost"] for row in rows] == [step.validation_cost for step in choice.steps]
+    assert [(row["depth"], row["alpha_low"]) for row in rows if row["chosen"]] == [
+        (choice.chosen.depth, choice.chosen.alpha_low)
+    ]
     assert choice.chosen.complexity == 1
     assert choice.tree.feature == 0
     assert abs(choice.tree.threshold - 0.5) < 0.1

@@ -12,6 +12,7 @@ from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.columns.column import Column
 from octmip.formats.tree_file import read_tree_file
+from octmip.input.cells import text_by_number
 from octmip.interfaces.cli import main
 from octmip.interfaces.estimator import OptimalTreeClassifier
 from octmip.trees.nodes.tree import Leaf, Split
@@ -149,6 +150,11 @@ def test_a_question_mark_among_texts_is_missing():
     assert columns.feature_names == ("x is NA", "x is a", "x is b", "x is missing")
 
 
+def test_a_number_stands_for_the_first_text_that_says_it():
+    assert text_by_number(["1", "1.0", "x"], are_truths=False) == {1.0: "1", None: "x"}
+    assert text_by_number(["TRUE", "true"], are_truths=True) == {1.0: "TRUE", 0.0: "false"}
+
+
 def test_an_ordered_category_becomes_its_rank():
     kind = pd.CategoricalDtype(["low", "middle", "high"], ordered=True)
     table = pd.DataFrame({"size": pd.Series(["high", "low", "middle", None], dtype=kind)})
@@ -156,6 +162,8 @@ def test_an_ordered_category_becomes_its_rank():
     np.testing.assert_array_equal(columns.encode(table), [[2], [0], [1], [np.nan]])
     split = Split(0, 1.5, Leaf(0), Leaf(1), missing="left")
     assert columns.left_words(split) == "size is low or middle or missing"
+    grades = pd.DataFrame({"g": pd.Series([1, 3, 2], dtype=pd.CategoricalDtype([3, 2, 1], ordered=True))})
+    np.testing.assert_array_equal(Columns.learn(grades).encode(grades), [[2], [0], [1]])
     letters = Columns.learn(pd.DataFrame({"x": list("abcde")}), categories="order")
     words = [letters.left_words(Split(0, at, Leaf(0), Leaf(1))) for at in (0.5, 2.0, 3.5)]
     assert words == ["x is a", "x is a or b or c", "x is d or before it"]

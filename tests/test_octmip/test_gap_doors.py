@@ -51,6 +51,7 @@ def test_every_parameter_with_a_range_is_an_effect():
     stiffness, gap = TWIN.effects["stiffness"], TWIN.effects["gap"]
     assert (stiffness.bounds, stiffness.is_one_sided, stiffness.unit) == ((-20.0, 20.0), False, "N/mm")
     assert (gap.bounds, gap.is_one_sided) == ((0.0, 0.5), True)
+    assert (stiffness.prior_sd, gap.prior_sd) == (10.0, 0.25)
     assert stiffness.signature(TWIN, {}, 100.0)[0] == pytest.approx(-100.0 / 100.0**2, rel=0.01)
     exact = stiffness.predict(TWIN, {}, 100.0, 15.0, "", 0.0)
     assert exact == pytest.approx(list(beam({"stiffness": 115.0, "gap": 0.0}, {"force": 100.0}).values()))
@@ -66,6 +67,15 @@ def test_a_parameter_that_is_not_nominal_is_found_with_its_size(truth, size):
     assert found.effect == name
     assert found.size == pytest.approx(size, rel=0.08)
     assert recommend(diagnosis).startswith(f"Correct the {name}: it is ")
+
+
+def test_a_reading_that_is_zero_in_the_model_spoils_no_diagnosis():
+    twin = function_twin(
+        lambda p, loads: [p["k"] * loads["f"], 0.0], {"a": "mm", "b": "deg"}, {"k": (1, 0.8, 1.2)}, ("f",)
+    )
+    rng = np.random.default_rng(1)
+    rows = [Recorded(rng.normal([force, 0.0], 0.01), {"f": force}) for force in np.repeat([1.0, 2.0], 8)]
+    assert recommend(diagnose(gathered(twin, rows), twin)).startswith("Nothing to do: ")
 
 
 def test_a_parameter_whose_nominal_value_is_the_greatest_falls():

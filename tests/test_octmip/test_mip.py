@@ -1,12 +1,11 @@
 """Every formulation against exhaustive enumeration, known optima, and what HiGHS must not be believed."""
 
-import csv
 import re
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
+from sklearn.datasets import load_iris
 
 from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.trees.answer.certificate import first_forbidden_split
@@ -21,17 +20,11 @@ from octmip.trees.question.losses import ClassCosts
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem, random_tree
 
-SHARED = Path(__file__).resolve().parents[2].parent / "shared"
 SOLVERS = {"oct": solve_oct, "flow": solve_flow}
 
 
-def uci(name: str, **options: object) -> Problem:
-    """Return a set of the data beside the project as a problem, or skip."""
-    file = SHARED / "uci" / f"{name}.csv"
-    if not file.exists():
-        pytest.skip(f"{file} is absent")
-    rows = [row for row in csv.reader(file.read_text().splitlines()) if row][1:]
-    return Problem([[float(v) for v in row[:-1]] for row in rows], [row[-1] for row in rows], **options)
+def iris(**options: object) -> Problem:
+    return Problem(*load_iris(return_X_y=True), **options)
 
 
 def blobs(n: int = 12, **options: object) -> Problem:
@@ -82,13 +75,13 @@ def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
 
 @pytest.mark.parametrize(("depth", "errors"), [(1, 50), (2, 6)])
 def test_strengthened_rows_prove_iris(depth, errors):
-    problem = uci("iris", depth=depth)
+    problem = iris(depth=depth)
     solution = solve_flow(problem)
     assert (solution.objective, solution.bound, certify(problem, solution).errors) == (errors, errors, errors)
 
 
 def test_the_printed_form_leaks_at_unsplit_nodes_and_the_closed_form_does_not():
-    problem = uci("iris", depth=2)
+    problem = iris(depth=2)
     spread = {}
     for closed in (False, True):
         model = encode(problem, closed=closed)
@@ -129,7 +122,7 @@ def outcome_of(objective: float, claimed: float) -> highs.Outcome:
 
 
 def test_what_a_leaking_model_claims_is_not_believed_and_said_with_both_numbers():
-    problem = uci("iris", depth=2)
+    problem = iris(depth=2)
     solution = engine.solve_formulation(
         problem, lambda *_: encode(problem, closed=False), engine.Request("oct", Limits(seconds=300))
     )
@@ -140,7 +133,7 @@ def test_what_a_leaking_model_claims_is_not_believed_and_said_with_both_numbers(
 
 
 def test_a_time_limit_returns_the_start_and_an_honest_bound():
-    problem = uci("iris", depth=2)
+    problem = iris(depth=2)
     solution = solve_oct(problem, limits=Limits(seconds=0.5))
     certify(problem, solution)
     assert solution.stop is Stop.TIME
@@ -148,15 +141,15 @@ def test_a_time_limit_returns_the_start_and_an_honest_bound():
 
 
 def test_any_whole_number_is_a_seed():
-    assert solve_oct(uci("iris", depth=1), seed=2**31 + 5).objective == 50
+    assert solve_oct(iris(depth=1), seed=2**31 + 5).objective == 50
 
 
 def test_a_node_limit_stops():
-    assert solve_oct(uci("iris", depth=1), limits=Limits(nodes=2)).stop is Stop.NODES
+    assert solve_oct(iris(depth=1), limits=Limits(nodes=2)).stop is Stop.NODES
 
 
 def test_a_gap_that_is_reached_stops_and_says_so():
-    solution = solve_oct(uci("iris", depth=1), limits=Limits(gap=0.9), incumbent=Leaf(0))
+    solution = solve_oct(iris(depth=1), limits=Limits(gap=0.9), incumbent=Leaf(0))
     assert solution.stop in (Stop.GAP, Stop.OPTIMAL)
     assert solution.gap <= 0.9
 
@@ -166,7 +159,7 @@ def test_what_progress_raises_comes_out():
         raise ValueError("no progress bar here")
 
     with pytest.raises(ValueError, match="no progress bar"):
-        solve_oct(uci("iris", depth=2), limits=Limits(seconds=60), progress=fail)
+        solve_oct(iris(depth=2), limits=Limits(seconds=60), progress=fail)
 
 
 def test_highs_says_nothing_on_standard_output(capfd):

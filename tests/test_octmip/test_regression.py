@@ -219,6 +219,18 @@ def test_a_hyperplane_pays_for_its_second_feature(price: float, kind: type) -> N
     assert isinstance(asked(problem), kind)
 
 
+@pytest.mark.parametrize("unit", [1e-3, 1e3])
+def test_a_hyperplane_is_the_same_in_any_unit_of_a_feature(unit: float) -> None:
+    features = np.random.default_rng(2).normal(size=(40, 2))
+    sides = []
+    for sizes in ([1.0, 1.0], [unit, 1.0]):
+        problem = Problem(features * sizes, np.sign(features.sum(1)), depth=1, split="hyperplane", loss=SquaredError())
+        question = asked(problem)
+        assert isinstance(question, HyperplaneSplit)
+        sides.append(parts(question, problem.samples.features, np.arange(40))[0].tolist())
+    assert sides[0] == sides[1]
+
+
 def test_both_sides_of_a_question_have_a_leafs_samples() -> None:
     targets = np.array([0.0, 0.0, 0.0, 1.0, 9.0])
     problem = Problem(np.arange(5.0)[:, None], targets, depth=1, leaf_size=2, loss=SquaredError())

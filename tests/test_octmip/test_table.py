@@ -13,6 +13,7 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.formats.table import read_costs, read_sensors, read_table
+from octmip.formats.table.preparation import kept_rows
 from octmip.formats.table.source import open_source
 
 
@@ -126,6 +127,13 @@ def test_what_is_wrong_in_a_table_is_refused_with_its_place(tmp_path, ask, text,
 def test_a_row_of_codes_below_others_is_no_row_of_units(tmp_path):
     rows = "".join(f"C,{k},{k}\n" for k in range(9))
     assert len(read_table(csv_file(tmp_path, f"k,x,y\nB,1,2\nA,N,N\n{rows}")).frame) == 11
+
+
+@pytest.mark.parametrize(("rows", "kept"), [("all", "pqr"), ("labelled", "pq"), ("complete", "p")])
+def test_rows_are_kept_by_what_they_lack(rows, kept, tmp_path):
+    (tmp_path / "t.csv").write_text("name,a,b,y\np,1,2,n\nq,,3,y\nr,4,5,\n")
+    table = kept_rows(read_table(tmp_path / "t.csv"), rows, "y", ["a", "b"])
+    assert "".join(table.frame["name"]) == kept
 
 
 def test_labels_of_mixed_kind_are_text_and_words_that_look_like_numbers_stay_words(tmp_path):

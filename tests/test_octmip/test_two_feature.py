@@ -78,8 +78,10 @@ def published_like(n: int, p: int) -> Problem:
 def test_the_bound_rises_and_stays_below_the_optimum_when_nodes_run_out() -> None:
     problem = published_like(150, 3)
     optimum = two_feature_branch_and_bound(problem).objective
-    bounds = [two_feature_branch_and_bound(problem, limits=Limits(nodes=n)).bound for n in (1, 300, 1000)]
+    solutions = [two_feature_branch_and_bound(problem, limits=Limits(nodes=n)) for n in (1, 300, 1000)]
+    bounds = [solution.bound for solution in solutions]
     assert bounds == sorted(bounds)
+    assert not any(solution.details["numerically_undecided"] for solution in solutions)
     assert all(bound <= optimum for bound in bounds)
 
 

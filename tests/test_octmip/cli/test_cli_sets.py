@@ -9,6 +9,7 @@ import pytest
 
 import octmip
 from octmip.errors import DataError
+from octmip.interfaces.cli.answer import rounded
 from octmip.interfaces.cli.sets.amount import amount_of
 
 SCHEMAS = Path(octmip.__file__).parent / "interfaces" / "schemas"
@@ -78,3 +79,7 @@ def test_an_amount_is_a_number_or_a_share() -> None:
     assert amount_of("29%").above(200.0) == 58.0
     with pytest.raises(DataError, match="expected an amount"):
         amount_of("1e999")
+
+
+def test_whole_numbers_of_a_table_stay_whole():
+    assert [rounded(value) for value in (12345678, 12345678.9, None)] == [12345678, 12345700.0, None]
