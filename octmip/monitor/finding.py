@@ -89,7 +89,7 @@ def explain(
     state
         index of the library's state that the asset was taken to be in.
     together
-        gauges that began to disagree at one reading (`began_together`): then none of them is faulty.
+        gauges that began to disagree at one reading (`Series`): then none of them is faulty.
     """
     logs = watch.log_parts(monitor_state)[row, :-1]
     if together:
@@ -138,15 +138,17 @@ def _best(watch: Watch, logs: Floats, kind: str, name: str) -> Candidate | None:
 def _failed_gauge(watch: Watch, monitor_state: MonitorState, row: int, window: int, named: Candidate | None) -> str:
     """Return the worst of a few gauges without which the mean residual is noise, "" if there are none.
 
-    Faults may have any size, and two gauges may fail before the first is named. Neighbours are damage, not faults, and
-    one gauge must leave hardly more than the candidate that is `named`.
+    Faults may have any size, and two gauges may fail before the first is named. Neighbours are damage, not faults.
+    Where the candidate that is `named` leaves noise, one gauge must leave hardly more.
     """
     mean = monitor_state.sums[row, window] / np.sqrt(max(float(monitor_state.counts[row, window]), 1.0))
-    known, failed, left = mean != 0.0, list[int](), np.inf
+    known, failed, left, most = mean != 0.0, list[int](), np.inf, MOST_FAILED
     if named is not None:
         along = named.signature / watch.library.noise_sd @ watch.parity.projector(known)
-        left = MARGIN + float(mean @ mean - (mean @ along) ** 2 / (along @ along))
-    while len(failed) < (MOST_FAILED if named is None else 1) and known.sum() > 1:
+        left = float(mean @ mean - (mean @ along) ** 2 / (along @ along))
+        fits = chi2.sf(left, watch.parity.degrees(known) - 1) > RATE
+        left, most = (left + MARGIN, 1) if fits else (np.inf, MOST_FAILED)
+    while len(failed) < most and known.sum() > 1:
         projector = watch.parity.projector(known)
         rest = np.where(known, mean, 0.0) @ projector
         without = np.where(known, rest @ rest - rest**2 / np.maximum(np.diag(projector), 1e-12), np.inf)

@@ -61,6 +61,11 @@ class Series:
         """Of the last reading in the library."""
         return float(self._state.p_value[0])
 
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Names of the gauges that were named."""
+        return tuple(self.watch.library.gauges[k] for k in sorted(self.faulty))
+
     def without_faulty(self, row: list[float]) -> list[float]:
         """Return a reading with NaN for the gauges that were named."""
         return [math.nan if k in self.faulty else value for k, value in enumerate(row)]
@@ -86,7 +91,10 @@ class Series:
     def _together(self, state: int) -> Finding | None:
         """Return the damage that a faulty gauge and its neighbours show; the gauges are at hand again."""
         rows, loads = (np.array(part) for part in zip(*self._kept, strict=True))
-        together = began_together(self.watch, rows, loads, self.faulty)
+        began = {g: _log_evidence(self.watch, rows, loads, self.faulty - {g}, [g])[:, 0] for g in sorted(self.faulty)}
+        # without the others it agrees: it was named in place of one of them
+        self.faulty -= {g for g, logs in began.items() if logsumexp(logs) < np.log(len(logs))}
+        together = _began_together(self.watch, rows, loads, {g: began[g] for g in sorted(self.faulty)})
         if not together:
             return None
         self.faulty -= {self.watch.library.gauges.index(gauge) for gauge in together}
@@ -96,19 +104,19 @@ class Series:
         return explain(self.watch, seen, 0, state, together)
 
 
-def began_together(watch: Watch, readings: Floats, loads: Floats, faulty: set[int]) -> tuple[str, ...]:
+def _began_together(watch: Watch, readings: Floats, loads: Floats, began: dict[int, Floats]) -> tuple[str, ...]:
     """Return gauges that began to disagree together, a faulty one first; () where each stands alone.
 
     Parameters
     ----------
     readings, loads
         (n, n_gauges) in microstrain, NaN where missing, and (n,), of the readings so far, of faulty gauges too.
-    faulty
-        indices of the gauges that were named as faulty.
+    began
+        log L (n,) of each faulty gauge for a beginning at each reading.
     """
-    for g in sorted(faulty):
+    faulty = set(began)
+    for g, own in began.items():
         near = np.flatnonzero(watch.neighbours[g])
-        own = _log_evidence(watch, readings, loads, faulty - {g}, [g])[:, 0]
         log_began = own - logsumexp(own)
         sound = [h for h in near.tolist() if h not in faulty]
         logs = _log_evidence(watch, readings, loads, faulty, sound)

@@ -56,6 +56,8 @@ class Result:
         of the reading in the library; None without a watch.
     finding
         why the alarm was raised at this reading; None otherwise.
+    left_out
+        names of the gauges that the watch has found faulty so far.
     """
 
     number: int
@@ -64,6 +66,7 @@ class Result:
     leaf_p_value: float | None = None
     p_value: float | None = None
     finding: Finding | None = None
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,13 +129,13 @@ class Monitor:
                 row = self._row(values, True)
                 heard = row if series is None else series.without_faulty(row)
                 state = self._state(heard, load_factor)
-                leaf_p, p_value, finding = None, None, None
+                leaf_p, p_value, finding, left_out = None, None, None, ()
                 if self.filter is not None and belief is not None:
                     leaf_p, belief = self._believed(belief, np.array([heard]), load_factor)
                 if series is not None:
                     finding = series.observe(np.array(row), load_factor, self._state_of_watch(state))
-                    p_value = series.p_value
-                yield Result(number, state, belief, leaf_p, p_value, finding)
+                    p_value, left_out = series.p_value, series.left_out
+                yield Result(number, state, belief, leaf_p, p_value, finding, left_out)
             except OctmipError as error:
                 yield Refusal(number, str(error))
 

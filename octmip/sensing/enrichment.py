@@ -218,19 +218,19 @@ def watched(
         places = places[[twin.gauges.index(gauge) for gauge in library.gauges]]
     watch = Watch(library, candidates, rate, horizon=len(readings), largest_load=largest, places=places)
     rows = [[None if np.isnan(value) else value for value in row] for row in readings.tolist()]
-    alarm, finding, state, start, faulty = None, None, 0, 0, []
+    alarm, finding, state, start, faulty = None, None, 0, 0, ()
     for result in Monitor(selector, watch=watch).run(zip(loads, rows, strict=True)):
-        if not isinstance(result, Result) or result.finding is None:
+        if not isinstance(result, Result):
+            continue
+        faulty = result.left_out
+        if result.finding is None:
             continue
         state = result.state or 0
         if result.finding.kind == "gauge":
-            faulty.append(result.finding.name)
             start = result.number + 1  # the watch begins again
             continue
-        together = result.finding.together
-        faulty = [gauge for gauge in faulty if gauge not in together]
         alarm, finding = result.number + 1, result.finding
-        finding = finding if together else replace(finding, since=start + finding.since)
+        finding = finding if finding.together else replace(finding, since=start + finding.since)
         break
     n_tested = sum(watch.parity.can_disagree(~np.isnan(row)) for row in readings)
     if finding is not None:
@@ -240,7 +240,7 @@ def watched(
         # them. The enriched library, which knows it beside them, is tried on all of them.
         finding = finding if later.kind in ("unknown", "gauge") else later
     n_damages = len({one.name for one in candidates})
-    return Seen(library, n_damages, len(readings), n_tested, alarm, finding, tuple(faulty))
+    return Seen(library, n_damages, len(readings), n_tested, alarm, finding, faulty)
 
 
 def enrich(
