@@ -53,8 +53,7 @@ class ReducedBuckling:
         if n == 0:  # no sampled state buckles
             return float("inf")
         hit = damage.nonzero()[0]
-        forces = (self.forces.reshape(-1, len(parts)) @ parts).reshape(self.forces.shape[:2])
-        share = forces[0] - damage @ forces[1:]
+        share = self.forces[0] @ parts - np.tensordot(damage[hit], self.forces[hit + 1] @ parts, 1)
         stiffness = np.eye(n) - np.tensordot(damage[hit], self.lost[hit], 1)
         compressed = -np.tensordot(share, self.pressed, 1)
         most = (n - 1, n - 1)

@@ -129,7 +129,7 @@ class Monitor:
                 row = self._row(values, True)
                 heard = row if series is None else series.without_faulty(row)
                 state = self._state(heard, load_factor)
-                leaf_p, p_value, finding, left_out = None, None, None, ()
+                leaf_p, p_value, finding, left_out = None, None, None, tuple[str, ...]()
                 if self.filter is not None and belief is not None:
                     leaf_p, belief = self._believed(belief, np.array([heard]), load_factor)
                 if series is not None:

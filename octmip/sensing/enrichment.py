@@ -218,7 +218,7 @@ def watched(
         places = places[[twin.gauges.index(gauge) for gauge in library.gauges]]
     watch = Watch(library, candidates, rate, horizon=len(readings), largest_load=largest, places=places)
     rows = [[None if np.isnan(value) else value for value in row] for row in readings.tolist()]
-    alarm, finding, state, start, faulty = None, None, 0, 0, ()
+    alarm, finding, state, start, faulty = None, None, 0, 0, tuple[str, ...]()
     for result in Monitor(selector, watch=watch).run(zip(loads, rows, strict=True)):
         if not isinstance(result, Result):
             continue

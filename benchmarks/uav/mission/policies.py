@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.uav.mission.aircraft import CHANGE, CRITICAL, RATES, WEAR, Aircraft
-from benchmarks.uav.mission.capable import chance_of_failing
+from benchmarks.uav.mission.capable import Capable, chance_of_failing
 from benchmarks.uav.mission.course_plan import LOADS, cell_points, course_plan, place_of
-from octmip.monitor import Belief, Filter, MonitorState, Planner, Watch, explain, steady_growth
+from octmip.monitor import Belief, Filter, Library, MonitorState, Planner, Watch, explain, steady_growth
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -50,7 +50,7 @@ class Policy:
 
 
 POLICIES = (
-    Policy("oracle (bound of full information)", "truth", "plan"),
+    Policy("full information", "truth", "plan"),
     Policy("always cautious", "nothing", "always"),
     Policy("never cautious", "nothing", "never"),
     Policy("trees, 40 % (the paper's)", "trees", "paper"),
@@ -89,18 +89,14 @@ class Brain:
         slow, fast = (aircraft.filter(n_cells, wear=wear) for wear in (WEAR, 1.0))
         library = fast.library
         over = chance_of_failing(cell_points(library, aircraft.believed), 3.0) > OVER
-        plans = [
-            course_plan(
-                cells,
-                [steady_growth(cells, [wear * rate for rate in RATES], change=change) for wear in (WEAR, 1.0)],
-                capable,
-            )
-            for cells, change, capable in (
-                (library, CHANGE, aircraft.believed),
-                (aircraft.cells(2 * n_cells), 0.0, aircraft.capable),
-            )
-        ]
-        return cls((slow, fast), *plans, over.mean(axis=1))
+
+        def plan(cells: Library, change: float, capable: Capable) -> Planner:
+            growths = [steady_growth(cells, [wear * rate for rate in RATES], change=change) for wear in (WEAR, 1.0)]
+            return course_plan(cells, growths, capable)
+
+        planner = plan(library, CHANGE, aircraft.believed)
+        informed = plan(aircraft.cells(2 * n_cells), 0.0, aircraft.capable)
+        return cls((slow, fast), planner, informed, over.mean(axis=1))
 
 
 class Pilot:
