@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.cases.fuzz import check_command
 from benchmarks.cases.fuzz.proofs import KINDS, corrupted
-from octmip import Leaf, Problem, Split
+from octmip import ExactOptions, Leaf, Limits, Problem, Split, solve
 from octmip.errors import CertificateError
 from octmip.trees.evidence.proof import check_proof, checker_question
 from octmip.trees.question.losses import ClassCosts
@@ -137,6 +137,15 @@ def test_a_log_of_another_problem_is_refused(log, options, line):
 def test_a_log_that_proves_less_than_is_claimed_for_a_tree_is_refused(log):
     with pytest.raises(CertificateError, match=r"line 5: the log proves 1\.0 but 2\.0 is claimed"):
         check_proof(STRIPES, log(proof_log(STRIPES)), bound=2.0)
+
+
+def test_a_log_proves_the_bound_where_labels_would_prove_more(tmp_path):
+    features = np.random.default_rng(0).normal(size=(40, 2))
+    problem = Problem(features, np.arange(40) % 5, depth=2, split="hyperplane", split_size=2)
+    log = tmp_path / "stopped.log"
+    stopped = solve(problem, "exact", Limits(nodes=0), options=ExactOptions(proof=log))
+    assert stopped.bound < problem.bound_by_labels
+    assert check_proof(problem, log, bound=stopped.bound).bound == stopped.bound
 
 
 @pytest.mark.parametrize("first", [2000, 2020])
