@@ -141,9 +141,9 @@ def test_a_log_that_proves_less_than_is_claimed_for_a_tree_is_refused(log):
 
 def test_a_log_proves_the_bound_where_labels_would_prove_more(tmp_path):
     features = np.random.default_rng(0).normal(size=(40, 2))
-    problem = Problem(features, np.arange(40) % 5, depth=2, split="hyperplane", split_size=2)
+    problem = Problem(features, np.arange(40) % 5, depth=1, split="hyperplane", split_size=2, leaf_penalty=1.0)
     log = tmp_path / "stopped.log"
-    stopped = solve(problem, "exact", Limits(nodes=0), options=ExactOptions(proof=log))
+    stopped = solve(problem, "exact", Limits(seconds=0), options=ExactOptions(proof=log))
     assert stopped.bound < problem.bound_by_labels
     assert check_proof(problem, log, bound=stopped.bound).bound == stopped.bound
 
