@@ -4,9 +4,9 @@
 clock gives one. `--only` is a folder or file of Python, or the native core (with cargo-mutants).
 
 Each mutant is made alone in a copy of the tree. There the tests that are nearest to its module run, then the common
-check of all defaults, until the first one fails, for `--limit` CPU seconds at most.
+check of all defaults, until the first one fails, for `--limit` CPU seconds at most, and mypy last.
 
-    killed    a test failed
+    killed    a test failed, or the types do not fit
     time      a test did not end, which takes a third of that time at most without the mutant
     survived  the tests passed, as far as they came: they cannot tell the wrong program from the right one
     unviable  the compiler refused it
@@ -19,6 +19,7 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 from collections import Counter
@@ -35,12 +36,13 @@ from benchmarks.mutants.pytest_runs import PytestRuns
 from benchmarks.tables import Line, markdown
 
 ROOT = Path(__file__).parents[2]
-PYTHON = ("octmip/trees", "octmip/gap", "octmip/formats", "femlib/strength.py", "femlib/rom")
+PYTHON = ("octmip/trees", "octmip/gap", "octmip/formats", "octmip/recordings", "femlib/strength.py", "femlib/rom")
 CORE = "octmip/trees/_native*.so"
 NOT_COPIED = shutil.ignore_patterns(".*", "target", "results", "site", "dist")
 STREAM = 97
 BATCHES = (0, 1, 3, 7, 19)  # ends of tests' files: most mutants are killed by the first
 COMMON = "tests/test_octmip/test_defaults.py"
+TYPES = (sys.executable, "-m", "mypy")  # of `make test`, too
 SLOWER = 3.0
 BUILD = 600.0  # CPU seconds
 PROFILE = ("--profile", "checks", "--config", "profile.checks.opt-level=1")  # its tests of Python take half the time
@@ -99,6 +101,8 @@ class _Runs:
                 found = self._pytest(some)
                 if found[0] == "time":  # by one test, or by all of them
                     found = self._pytest([found[1]])
+        if found[0] == "survived" and self._run(TYPES, self.tree, BUILD)[0] == 1:
+            return "killed", "mypy", found[2]
         return found
 
     def _refused(self, built: ExitStack) -> Outcome | None:

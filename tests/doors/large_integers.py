@@ -28,6 +28,8 @@ REFUSED = Refused(("beyond 2^53", "subtract an offset"))
 
 def table_of(writer: str, values: list[int | None]) -> Any:
     """Return a table of one column t, made by a program."""
+    if writer == "numpy masked":
+        return np.ma.masked_equal([[value or 0] for value in values], 0)
     if writer.startswith("numpy"):
         kind = {"numpy int64": np.int64, "numpy uint64": np.uint64, "numpy object": object}[writer]
         return np.array(values, dtype=kind)[:, None]
@@ -108,7 +110,7 @@ ROWS: list[Row] = [
     *(of_table("OptimalTreeClassifier", writer) for writer in WRITERS),
     *(
         of_table("Problem", writer, "a feature, one missing", HOLED)
-        for writer in ("pandas Int64", "pandas arrow", "polars", "pyarrow")
+        for writer in ("numpy masked", "pandas Int64", "pandas arrow", "polars", "pyarrow")
     ),
     *(of_table("Problem", writer, "a feature, exact", EXACT, 0.0) for writer in (*WRITERS, "polars", "pyarrow")),
     *(of_file(writer, "a feature", LARGE, as_feature) for writer in ("pandas csv", "pandas parquet", "Excel csv")),

@@ -102,6 +102,11 @@ def test_a_printed_duration_is_the_last_one_that_goes_left(span):
         assert ([Fraction(one.value, 10**9) <= said for one in around] == (days <= cut)).all()
 
 
+@pytest.mark.parametrize("days", [-1e12, 1e12])
+def test_what_no_calendar_reaches_is_said_in_days(days):
+    assert (date_text(days, ""), duration_text(days)) == (f"day {days:.0f}", f"{days:.0f} days")
+
+
 @given(st.lists(st.text("ab", min_size=1, max_size=40), min_size=2, max_size=6, unique=True), st.integers(6, 20))
 @settings(max_examples=200, deadline=None)
 def test_different_names_stay_different_when_they_are_cut(names, longest):

@@ -98,6 +98,7 @@ def test_one_command_tells_of_a_recording_what_the_table_of_the_same_truth_tells
     [
         ("run.tdms", "run.tdms is a recording (TDMS); expected --steady, or --windows START,END"),
         ("run.tdms --steady --readings g1=Beam/g9", "run.tdms has no channel 'Beam/g9'; expected one of its 5"),
+        ("run.tdms --steady --readings g1=Beam/g1 g1=Beam/g2", "--readings names g1 twice; expected NAME=VALUE"),
         ("run.mseed --steady", "run.mseed: no channel is the load 'force'; expected --loads force=CHANNEL"),
         ("run.tdms --steady --readings g1=Beam/g2", "channel 'Beam/g2' is g1 and g2; expected a channel for each"),
         ("volts.tdms --steady", "column g1 is in 'V'; expected microstrain"),
@@ -273,7 +274,7 @@ def test_matrices_of_mat_7_3_have_a_column_for_each_channel(at):
 def test_a_file_that_was_cut_is_read_as_far_as_it_goes_or_refused_in_one_sentence(form, at):
     name, _, places = FORMATS[form]
     content = Path(name).read_bytes()
-    for share in (0.0002, 0.3, 0.9):
+    for share in (0.0002, 0.6):
         cut = Path(f"cut_{name}")
         cut.write_bytes(content[: max(1000, int(share * len(content)))])
         with contextlib.suppress(DataError):  # nothing else is raised

@@ -46,20 +46,22 @@ def test_lines_are_drawn_alike_and_what_is_no_behaviour_stays(tree):
 
 
 @pytest.mark.parametrize(
-    ("file", "before", "after", "outcome"),
+    ("before", "after", "types", "outcome", "by"),
     [
-        ("octmip/sums.py", "x + x", "x - x", "killed"),
-        ("octmip/sums.py", "100", "101", "survived"),
+        ("x + x", "x - x", "true", "killed", "test_double"),
+        ("100", "101", "true", "survived", ""),
+        ("100", "101", "false", "killed", "mypy"),
     ],
 )
-def test_a_mutant_is_killed_or_lives(file, before, after, outcome, tree):
+def test_a_mutant_is_killed_or_lives(before, after, types, outcome, by, tree, monkeypatch):
+    file = "octmip/sums.py"
+    monkeypatch.setattr(study, "TYPES", (types,))
     mutants = (python_mutant(np.random.default_rng(seed), tree, [file]) for seed in range(200))
     mutant = next(one for one in mutants if one.after == FILES[file].replace(before, after))
     shutil.copytree(tree, tree / "copy")
     with PytestRuns(tree / "copy") as asked:
         found = study._Runs(tree / "copy", 4.0, asked).line(mutant)
-    assert found["outcome"] == outcome
-    assert found["by"].endswith("test_double" if outcome == "killed" else "")
+    assert (found["outcome"], found["by"].rpartition(":")[2]) == (outcome, by)
     assert (tree / "copy" / file).read_text() == FILES[file]
 
 

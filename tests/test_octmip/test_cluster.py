@@ -205,6 +205,10 @@ def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: 
         task.n_lost = 1
     with pytest.raises(SolverError, match="lost with its worker 1 times"):
         task.result()
+    for error in ("KilledWorker", "ValueError"):
+        raised = Mock(return_value=type(error, (Exception,), {})())
+        task.future = Mock(status="error", exception=raised)
+        assert task._is_lost() == (error == "KilledWorker")
 
 
 def test_a_turn_that_is_cut_short_leaves_no_solver_behind(monkeypatch: pytest.MonkeyPatch) -> None:

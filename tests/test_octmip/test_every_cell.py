@@ -10,6 +10,7 @@ from octmip import ExactOptions, Leaf, Limits, Problem, Split, Stop, ValueLeaf, 
 from octmip.errors import ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.report.html import tree_page
+from octmip.trees.methods.options import OPTIONS
 from octmip.trees.nodes.tree import depth
 from octmip.trees.question.losses import SPELLINGS, ClassCosts, number_loss
 from octmip.trees.question.problem_file import encode, question_digest
@@ -127,6 +128,28 @@ def test_ctrl_c_ends_every_search_with_what_is_true(cell):
     assert certify(asked, early).bound <= early.objective
     may_end = not told or REGISTRY[loss, split][method].is_mixed_integer  # HiGHS may have ended by then
     assert early.stop in (Stop.INTERRUPTED, *((Stop.FINISHED, Stop.OPTIMAL) if may_end else ()))
+
+
+OF_SOLVE = {"checkpoint", "every", "start", "write"}
+"""Options that `solve` reads, and the checkpoint that it opens."""
+
+
+def test_an_option_that_a_solver_takes_is_read(cell):
+    loss, split, method = cell
+    solver, read = REGISTRY[loss, split][method], set()
+
+    class Seen(OPTIONS[method]):
+        __slots__ = ()
+
+        def __getattribute__(self, name):
+            read.add(name)
+            return super().__getattribute__(name)
+
+    options = Seen()
+    read.clear()
+    given = {"limits": Limits(), "incumbent": None, "seed": 0, "n_jobs": 1, "progress": None}
+    solver.load()(problem(loss, split), **given, options=options)
+    assert {*OPTIONS[method].names()} - {*solver.without} - OF_SOLVE <= read
 
 
 def test_a_tree_of_another_problem_is_no_incumbent(cell):

@@ -15,7 +15,8 @@ from octmip.gap import Campaign, Recorded, diagnose, function_twin, gathered, re
 from octmip.gap.campaign.campaign import ENOUGH_FOR_HALVES
 from octmip.gap.campaign.metered import MOST_LOADS, gathered_alike, looked_at
 from octmip.gap.campaign.noise_estimate import _moderated
-from octmip.gap.campaign.noise_parts import _has_trend, _with_outstanding, greatest
+from octmip.gap.campaign.noise_parts import _has_trend, _part_along, _shared, _with_outstanding, greatest
+from octmip.gap.campaign.spectrum import SHARED, SINGLE, WHITE, coefficients, fit
 from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.doors.budget import OF_LOAD, OF_RANGE, _steps
 from octmip.gap.effects.chain import CROSSTALK, DEAD_GAUGE, MISALIGNMENT, POSITION_OFFSET, SWAPPED_PAIR, Moment
@@ -283,6 +284,15 @@ def test_directions_that_gauges_share_stand_out_of_white_noise_and_no_others():
     assert 0.55 * greatest(50.0, 8) < np.median(most) < max(most) < greatest(50.0, 8)
 
 
+def test_a_pattern_that_stands_out_over_long_periods_alone_is_shared():
+    rng, way = np.random.default_rng(4), np.full(6, 6**-0.5)
+    slow = np.cos(3 * np.pi * (np.arange(80) + 0.5) / 80)
+    for size, n_shared in ((0.0, 0), (1.2, 1)):
+        blocks = [rng.standard_normal((80, 6)) + size * np.outer(slow, way) for _ in range(3)]
+        assert _with_outstanding(np.zeros((6, 0)), np.concatenate(blocks), 240.0).shape == (6, 0)
+        assert _shared(blocks, WHITE, 1.0, np.zeros((6, 0))).shape == (6, n_shared)
+
+
 def test_trends_of_one_pattern_over_the_gauges_are_no_noise():
     rng = np.random.default_rng(2)
     own, pattern = rng.standard_normal((9, 6)), 5.0 * np.arange(1.0, 7.0)
@@ -346,3 +356,12 @@ def test_the_next_test_separates_the_causes_of_the_library_whatever_the_unknown_
     tests = next_tests(found.model, alone, None)
     assert tests
     assert next_tests(found.model, [unknown, *beside], None) == tests
+
+
+@pytest.mark.parametrize(("is_single", "prior"), [(True, SINGLE), (False, SHARED)])
+def test_what_gauges_share_has_odds_of_its_own_to_wander(is_single, prior):
+    rng, direction = np.random.default_rng(3), np.full(3, 3**-0.5)
+    blocks = [rng.normal(size=(12, 3)) + 0.4 * rng.normal(size=(12, 1)).cumsum(axis=0) for _ in range(3)]
+    wanted = fit([coefficients(block @ direction[:, None]) for block in blocks], prior, has_trend=not is_single)
+    found = _part_along(blocks, direction, is_single).serial
+    assert (found.walk_probability, found.variance) == (wanted.walk_probability, wanted.variance)

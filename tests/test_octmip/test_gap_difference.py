@@ -7,7 +7,7 @@ import pytest
 
 from octmip.errors import DataError, TwinError
 from octmip.gap import CHAIN, CachedTwin, Campaign, diagnose
-from octmip.gap.inference.difference import wander_of
+from octmip.gap.inference.difference import _with_levels, wander_of
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import OPEN_STATE, difference_at, linearise
@@ -119,6 +119,18 @@ def test_the_wander_of_few_tests_is_their_covariance_less_that_of_the_noise_and_
     assert found[[0, 1], [0, 1]] == pytest.approx(sd**2 * widened)
     assert found[0, 1] == pytest.approx((n - 1) / n * np.corrcoef(offsets)[0, 1] * sd[0] * sd[1] * widened)
     assert np.count_nonzero(found) == 4
+
+
+@pytest.mark.parametrize("level", [1.0, 16.0])
+def test_the_level_of_a_kind_is_by_how_much_its_readings_differ_more_than_usual(level):
+    campaign = measured(5)
+    inputs = prepared(campaign, None)
+    rows = linearise(inputs, states_of(campaign)).means.rows
+    usual = inputs.difference.covariance(rows, rows)
+    draws = np.random.default_rng(8).multivariate_normal(np.zeros(len(usual)), level**2 * usual, 12)
+    noise = 1e-4 * np.diag(np.diag(usual))
+    factors = [_with_levels(inputs.difference, rows, draw, noise).factor for draw in draws]
+    assert np.exp(np.mean(np.log(factors))) == pytest.approx(level, rel=0.25)
 
 
 def test_tests_of_a_run_that_are_alike_wander_by_nothing_that_counts():

@@ -12,6 +12,7 @@ from octmip.gap import Differences, Odds, diagnose
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import OPEN_STATE, linearise
+from octmip.gap.inference.posterior import attribute
 from octmip.gap.inference.signatures import load_steps
 from octmip.gap.inference.states import LINES, _changes, grid, joint_covariance, state_posterior
 from octmip.gap.location import flips, localise
@@ -47,6 +48,14 @@ def test_a_set_stands_as_far_from_its_model_as_its_states_move():
     assert away == pytest.approx(np.abs(moved - start).max())
     none = inference.model.log_none + inference.log_box(())
     assert (away > 0.04, log_evidence) == (True, pytest.approx(none))
+
+
+@pytest.mark.parametrize("n_exact", [3, 60])
+def test_what_has_no_odds_is_never_the_unknown(n_exact, monkeypatch):
+    monkeypatch.setattr("octmip.gap.inference.posterior.N_EXACT", n_exact)
+    twin = Beam()
+    inputs = prepare(measured(1), twin, twin.effects, measured(1000), odds=Odds(unknown=(0.0, 0.0, 0.0)))[0]
+    assert attribute(inputs).unknown_probability < 1e-100
 
 
 def test_open_states_and_sizes_have_their_joint_posterior():
@@ -137,7 +146,9 @@ def test_a_node_flips_as_many_decisions_as_more_readings_pass_it_than_the_twins(
     model = linearise(inputs, np.zeros((3, 2)))
     level, far = float(own_gains()[7] * twin.predict({}, 1.0)[7]), float(own_gains()[3] * twin.predict({}, 1.0)[3])
     tree = Split(1, level, Split(0, far, Leaf(0), Leaf(1)), Leaf(1))
-    by_path = {flip.path: flip for flip in flips(model, tree, ["g04", "g08"])}
+    found = flips(model, tree, ["g04", "g08"])
+    by_path = {flip.path: flip for flip in found}
+    assert [flip.share for flip in found] == sorted((flip.share for flip in found), reverse=True)
 
     def below(shift: float) -> float:
         return float(np.mean([norm.cdf(-shift * load / 31.6) for load in loads[1:]]))
@@ -159,6 +170,7 @@ def test_a_node_flips_as_many_decisions_as_more_readings_pass_it_than_the_twins(
         ((-0.5, 3.5), [(0.0, 0.5), (-0.5, 3.0), (3.0, 1.0), (3.5, 2.0)]),
         ((-2.0, 9.0), [(0.0, 0.5), (-1.0, 3.0), (3.0, 1.0), (4.5, 2.0)]),
         ((0.0, 3.0), [(0.0, 0.5), (3.0, 1.0)]),
+        ((-0.5, 0.0), [(0.0, 0.5), (-0.5, 3.0)]),
         ((0.5, 2.0), []),
     ],
 )

@@ -15,20 +15,10 @@ from octmip.gap.shrinkage import Shrinkage
 from octmip.interfaces.report.diagnosis.phrases import about, closed_words, interval_words, size_of
 from octmip.interfaces.report.diagnosis.recommendation import Verdict, recommend, verdict_of
 from octmip.interfaces.report.diagnosis.words import page_of_words
-from tests.test_octmip.beam_twin import Asset, Beam, Field, measured
+from tests.test_octmip.beam_twin import Beam, Field, both, effect, measured
 
 TWIN = Beam()
 COMMISSIONING = measured(1000)
-
-
-def effect(name, size, place=""):
-    source = {**CHAIN, **TWIN.effects}[name]
-    strained = Asset() if name in CHAIN else TWIN
-    return lambda state, load, time: size * source.signature(strained, state, load, place=place, time=time)
-
-
-def both(*changes):
-    return lambda state, load, time: sum(change(state, load, time) for change in changes)
 
 
 def diagnosed(change=None, seed=7, library=None, **settings):

@@ -1,33 +1,30 @@
 """Every formulation against exhaustive enumeration, known optima, and what HiGHS must not be believed."""
 
-import csv
 import re
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
+from sklearn.datasets import load_iris
 
 from octmip import Leaf, Limits, Problem, Stop, certify
-from octmip.trees.mip import engine, flow
+from octmip.trees.answer.certificate import first_forbidden_split
+from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
+from octmip.trees.mip import engine, flow, oct
+from octmip.trees.mip.blocks.heap import place, to_tree
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import highs
+from octmip.trees.mip.incumbent import canonicalise
 from octmip.trees.mip.oct import encode, solve_oct
 from octmip.trees.question.losses import ClassCosts
 from tests.oracles.enumeration import optimum
-from tests.oracles.strategies import random_problem
+from tests.oracles.strategies import random_problem, random_tree
 
-SHARED = Path(__file__).resolve().parents[2].parent / "shared"
 SOLVERS = {"oct": solve_oct, "flow": solve_flow}
 
 
-def uci(name: str, **options: object) -> Problem:
-    """Return a set of the data beside the project as a problem, or skip."""
-    file = SHARED / "uci" / f"{name}.csv"
-    if not file.exists():
-        pytest.skip(f"{file} is absent")
-    rows = [row for row in csv.reader(file.read_text().splitlines()) if row][1:]
-    return Problem([[float(v) for v in row[:-1]] for row in rows], [row[-1] for row in rows], **options)
+def iris(**options: object) -> Problem:
+    return Problem(*load_iris(return_X_y=True), **options)
 
 
 def blobs(n: int = 12, **options: object) -> Problem:
@@ -69,31 +66,22 @@ def test_the_optimum_is_that_of_enumeration(method, case):
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
-    from octmip.trees.mip.flow import encode as encode_flow
-
     problem = CASES[case]
     for fix, class_count in ((0, True), (2, False)):
-        request = engine.Request("flow")
-        solution = engine.solve_formulation(
-            problem,
-            lambda problem, known, options, f=fix, k=class_count: encode_flow(
-                problem, known.tree, fix=f, class_count=k, prices=known.prices
-            ),
-            request,
-        )
+        solution = engine.solver_of("flow", partial(flow.formulate, fix=fix, class_count=class_count))(problem)
         assert solution.objective == pytest.approx(optimum(problem).objective, abs=1e-6)
         assert solution.is_optimal
 
 
 @pytest.mark.parametrize(("depth", "errors"), [(1, 50), (2, 6)])
 def test_strengthened_rows_prove_iris(depth, errors):
-    problem = uci("iris", depth=depth)
+    problem = iris(depth=depth)
     solution = solve_flow(problem)
     assert (solution.objective, solution.bound, certify(problem, solution).errors) == (errors, errors, errors)
 
 
 def test_the_printed_form_leaks_at_unsplit_nodes_and_the_closed_form_does_not():
-    problem = uci("iris", depth=2)
+    problem = iris(depth=2)
     spread = {}
     for closed in (False, True):
         model = encode(problem, closed=closed)
@@ -134,7 +122,7 @@ def outcome_of(objective: float, claimed: float) -> highs.Outcome:
 
 
 def test_what_a_leaking_model_claims_is_not_believed_and_said_with_both_numbers():
-    problem = uci("iris", depth=2)
+    problem = iris(depth=2)
     solution = engine.solve_formulation(
         problem, lambda *_: encode(problem, closed=False), engine.Request("oct", Limits(seconds=300))
     )
@@ -145,7 +133,7 @@ def test_what_a_leaking_model_claims_is_not_believed_and_said_with_both_numbers(
 
 
 def test_a_time_limit_returns_the_start_and_an_honest_bound():
-    problem = uci("iris", depth=2)
+    problem = iris(depth=2)
     solution = solve_oct(problem, limits=Limits(seconds=0.5))
     certify(problem, solution)
     assert solution.stop is Stop.TIME
@@ -153,15 +141,15 @@ def test_a_time_limit_returns_the_start_and_an_honest_bound():
 
 
 def test_any_whole_number_is_a_seed():
-    assert solve_oct(uci("iris", depth=1), seed=2**31 + 5).objective == 50
+    assert solve_oct(iris(depth=1), seed=2**31 + 5).objective == 50
 
 
 def test_a_node_limit_stops():
-    assert solve_oct(uci("iris", depth=1), limits=Limits(nodes=2)).stop is Stop.NODES
+    assert solve_oct(iris(depth=1), limits=Limits(nodes=2)).stop is Stop.NODES
 
 
 def test_a_gap_that_is_reached_stops_and_says_so():
-    solution = solve_oct(uci("iris", depth=1), limits=Limits(gap=0.9), incumbent=Leaf(0))
+    solution = solve_oct(iris(depth=1), limits=Limits(gap=0.9), incumbent=Leaf(0))
     assert solution.stop in (Stop.GAP, Stop.OPTIMAL)
     assert solution.gap <= 0.9
 
@@ -171,7 +159,7 @@ def test_what_progress_raises_comes_out():
         raise ValueError("no progress bar here")
 
     with pytest.raises(ValueError, match="no progress bar"):
-        solve_oct(uci("iris", depth=2), limits=Limits(seconds=60), progress=fail)
+        solve_oct(iris(depth=2), limits=Limits(seconds=60), progress=fail)
 
 
 def test_highs_says_nothing_on_standard_output(capfd):
@@ -188,3 +176,28 @@ def test_fixing_never_takes_away_the_optimum_at_depth_three(seed):
         certify(problem, solution)
         assert solution.objective == pytest.approx(optimum(problem).objective, rel=1e-6, abs=1e-6)
         assert solution.is_optimal
+
+
+# Without a solver: trees into solutions and back
+
+
+@pytest.mark.parametrize("encode", [oct.encode, lambda problem: flow.encode(problem, Leaf(0), fix=0)])
+@pytest.mark.parametrize("seed", range(15))
+def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(encode, seed):
+    rng = np.random.default_rng(seed)
+    problem = random_problem(rng, max_samples=10, max_depth=3)
+    samples = problem.samples
+    tree = canonicalise(problem, random_tree(rng, samples.n_features, samples.n_classes, problem.shape.depth))
+    if problem.shape.sensor_cost_of(tree) > problem.shape.sensor_limit or first_forbidden_split(problem, tree):
+        tree = Leaf(int(problem.class_costs().argmin()))
+    ranks = rank_features(problem)
+    tree = tree_from_rows(rows_from_tree(tree, ranks), ranks)  # thresholds at the midpoints of the data
+    model = encode(problem)
+    placed = place(tree, model.heap, problem.samples.features)
+    sizes = np.bincount(placed.position)
+    values = model.start(placed)
+    worst, where = model.rows.violation(values)
+    assert (worst < 1e-9) == (sizes[sizes > 0].min() >= problem.shape.leaf_size), where
+    assert model.rows.objective(values) == pytest.approx(problem.objective(tree))
+    decoded = to_tree(model.heap, model.splits(values), model.labels(values))
+    assert canonicalise(problem, decoded) == tree

@@ -59,6 +59,14 @@ def test_the_state_is_found_at_every_multiple_of_the_loads_and_refused_at_anothe
     assert "expected a multiple of force 2, moment 1" in refused.words
 
 
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
+def test_loads_are_multiples_of_the_reference_in_any_unit(unit):
+    known = library()
+    assert known.checked_load({name: unit / 3 * amount for name, amount in AT.items()}) == pytest.approx(unit / 3)
+    with pytest.raises(DataError, match="expected a multiple of force 2, moment 1"):
+        known.checked_load({"force": 2.0 * unit, "moment": 1.001 * unit})
+
+
 def test_an_effect_of_the_twin_is_named_where_readings_depend_on_two_loads():
     softer = effect_candidates(LINEAR, LINEAR.effects["k"], library())
     watched = monitor_of(library())

@@ -80,6 +80,14 @@ def test_evidence_is_a_martingale_in_the_library(library):
         assert evidence.mean() == pytest.approx((k + 1) / 4, abs=4 * evidence.std() / np.sqrt(4000))
 
 
+def test_what_a_whole_horizon_cannot_show_is_no_hypothesis(library):
+    shown = np.linalg.norm(BUMP / SD @ Parity(library, 3.0).projector(np.ones(20, dtype=bool)))
+    faint = 0.2 / shown * BUMP  # sqrt(-2 log 0.01 / 100) = 0.303 can be shown
+    candidates = [Candidate(str(power), "foreign damage", faint, (1.0, 2.0), "%", power) for power in (0, 1)]
+    found = Watch(library, candidates, rate=0.01, horizon=100, largest_load=3.0).hypotheses
+    assert [(one.name, size) for one, size in found if one.kind != "gauge"] == [("0", 2.0), ("1", 1.0), ("1", 2.0)]
+
+
 def test_a_residual_does_not_know_the_state(library):
     parity, every = Parity(library, 3.0), np.ones(20, dtype=bool)
     off_grid = np.array([LinearBeam().predict({"mu1": 0.37, "mu2": 0.71}, 3.0)])
@@ -90,6 +98,15 @@ def test_a_residual_does_not_know_the_state(library):
     without[4] = False
     assert not parity.projector(without)[4].any()
     assert parity.degrees(without) == parity.degrees(every) - 1
+
+
+def test_a_missing_gauge_leaves_the_evidence_of_the_unknown_a_lower_bound(watch):
+    readings = np.full((2, 20), 1.0)
+    readings[1, 4] = np.nan
+    monitor_state = watch.observe(watch.start(2), readings, 1.0)
+    every = Parity(watch.library, 3.0).degrees(np.ones(20, dtype=bool))
+    assert monitor_state.degrees.tolist() == [every, 20]
+    assert watch.observe(monitor_state, readings[::-1], 1.0).degrees.tolist() == [20, 20]
 
 
 def test_damage_outside_the_library_is_found_named_and_proposed(watch, library):

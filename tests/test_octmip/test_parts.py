@@ -81,7 +81,7 @@ def test_a_certificate_refutes_a_tree_without_the_part(parts, tree, message):
         ({"path_rules": [("apart", "x0", "x0")]}, "expected 2 or more different features"),
         ({"path_rules": [("root-only", 7)]}, "names 7; expected one of the features"),
         ({"old_tree": OLD}, "old_tree and max_changes belong together"),
-        ({"old_tree": Split(5, 0.0, Leaf(0), Leaf(1)), "max_changes": 1}, "old_tree reads feature 5"),
+        ({"old_tree": Split(3, 0.0, Leaf(0), Leaf(1)), "max_changes": 1}, "old_tree reads feature 3"),
         ({"path_rules": [("apart", 0, 1)], "monotone": [1, 0, 0]}, "leave one of them out"),
     ],
 )
@@ -104,9 +104,16 @@ def test_a_given_threshold_beside_another_one_of_the_old_tree_is_a_change():
         solve(asked(**moved, max_changes=0))
 
 
-@pytest.mark.parametrize("parts", [{"fixed_splits": {"ROOT": "x2"}}, {"path_rules": [("apart", 0, 1)]}])
-def test_without_a_depth_the_price_bounds_the_search_and_ends_it(parts):
-    problem = asked(depth=None, leaf_penalty=6.0, **parts)
+@pytest.mark.parametrize(
+    ("price", "parts"),
+    [
+        (6.0, {"fixed_splits": {"ROOT": "x2"}}),
+        (40.0, {"fixed_splits": {"LL": "x2"}}),
+        (6.0, {"path_rules": [("apart", 0, 1)]}),
+    ],
+)
+def test_without_a_depth_the_price_bounds_the_search_and_ends_it(price, parts):
+    problem = asked(depth=None, leaf_penalty=price, **parts)
     found = solve(problem)
     assert (found.stop, found.objective) == (Stop.OPTIMAL, solve(problem.replace(depth=7)).objective)
     open_still = solve(problem.replace(depth=None, leaf_penalty=1.0), limits=Limits(nodes=100))
@@ -271,6 +278,17 @@ def test_a_rule_of_one_column_is_refused():
             rules_of_columns([rule], ["a", "b"])
     with pytest.raises(ProblemError, match=r"one of the columns a, b$"):
         rules_of_columns([["root-only", "z"]], ["a", "a", "b"])
+
+
+@pytest.mark.parametrize("most", range(4))
+def test_a_leaf_has_the_parts_of_an_old_tree_where_every_split_may_go(most):
+    assert asked(old_tree=OLD, max_changes=most).shape.is_leaf_allowed == (most >= 2)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_rules_of_columns_are_those_of_each_rule(order):
+    columns, rules = ["a", "a", "b"], [["apart", "a", "b"], ["not-below", "a", "b"], ["root-only", "b"]][::order]
+    assert rules_of_columns(rules, columns) == [one for rule in rules for one in rules_of_columns([rule], columns)]
 
 
 @pytest.mark.parametrize("parts", [{"fixed_splits": {"ROOT": 0}}, {"old_tree": OLD, "max_changes": 0}])

@@ -78,11 +78,6 @@ def test_what_is_given_by_name_goes_by_name_in_any_order(made):
         problem(sensor_of_feature=made({"y": "l"}))
 
 
-def test_an_order_of_classes_is_no_set():
-    with pytest.raises(ProblemError, match=r"class_order is a set.*which has no order; expected a list"):
-        problem(class_order={"a", "b"})
-
-
 def test_decimal_costs_that_add_up_to_the_budget_are_within_it():
     p = problem(sensor_cost=[0.1, 0.2, 5], sensor_budget=0.3)
     assert 0.1 + 0.2 > 0.3
@@ -110,7 +105,9 @@ def test_the_digest_knows_the_training_data_and_nothing_else():
     changed = FEATURES.copy()
     changed[2, 1] = np.nextafter(changed[2, 1], 99)
     others = [{"features": changed}, {"targets": ["a", "a", "b", "b"]}, {"weights": [1, 1, 1, 2]}]
-    assert len({problem(**other).digest() for other in [{}, *others]}) == 4
+    others += [{"targets": ["a", "b", "c", "b"], "class_names": names} for names in (["a", "b", "c"], ["c", "b", "a"])]
+    others += [{"targets": ["a", "b", "d", "b"]}]
+    assert len({problem(**other).digest() for other in [{}, *others]}) == 7
     assert len({question_digest(problem(max_splits=most)) for most in (1, 2, 3, None)}) == 3  # 3 are no limit
 
 
@@ -124,6 +121,10 @@ WRONG = {
     "NaN label": ({"targets": [0.0, 1.0, np.nan, 1.0]}, r"labels\[2\] is nan"),
     "one class": ({"targets": ["a"] * 4}, "one class only"),
     "unknown class": ({"class_names": ["a", "c"]}, r"targets holds \['b'\] which class_names"),
+    "an order that is a set": (
+        {"class_order": {"a", "b"}},
+        "class_order is a set.*which has no order; expected a list",
+    ),
     "class named twice": ({"class_names": ["a", "b", "a"]}, "names twice"),
     "feature named twice": ({"feature_names": ["u", "u", "v"]}, r"feature_names has 3 entries \(2 different\)"),
     "too few names": ({"feature_names": ["u"]}, "feature_names has 1 entries"),
@@ -146,12 +147,20 @@ WRONG = {
     "splits of 1.5": ({"max_splits": 1.5}, "max_splits is 1.5"),
     "negative penalty": ({"leaf_penalty": -1.0}, r"leaf_penalty is -1\.0"),
     "infinite penalty": ({"leaf_penalty": np.inf}, "leaf_penalty is inf"),
+    "prices beyond float64": (
+        {"depth": 1, "split": "hyperplane", "split_size": 2, "leaf_penalty": 1e308},
+        "leaf_penalty, up to inf in all",
+    ),
+    "order of linear leaves": (
+        {"monotone": [1, 0, 0], "leaf_model": "linear", "loss": SquaredError(), "targets": range(4)},
+        "monotone is given but split is 'axis' and leaf_model 'linear'",
+    ),
     "unknown split": ({"split": "curve"}, "split is 'curve'"),
     "split size of axis": ({"split_size": 2}, "split is 'axis'; say split='hyperplane'"),
     "split size 0": ({"split": "hyperplane", "split_size": 0}, "split_size is 0"),
     "integer normals beyond float64": (
-        {"split": "hyperplane", "integer_normals": 10**30},
-        "integer_normals is 1000",
+        {"split": "hyperplane", "integer_normals": 2**53 + 1},
+        "integer_normals is 9007199254740993",
     ),
     "integer normals 0": ({"split": "hyperplane", "integer_normals": 0}, "integer_normals is 0"),
     "sensors of other length": ({"sensor_of_feature": ["a"]}, "sensor_of_feature has 1 entries"),
@@ -161,7 +170,7 @@ WRONG = {
     "negative sensor cost": ({"sensor_cost": [1, 2, -3]}, "sensor_cost of 'x2' is -3"),
     "negative budget": ({"sensor_budget": -1}, "sensor_budget is -1"),
     "unknown group member": ({"allowed_splits": [["x0", "q"]]}, r"allowed_splits names \['q'\]"),
-    "group member out of range": ({"allowed_splits": [[7]]}, r"allowed_splits names \[7\]"),
+    "group member out of range": ({"allowed_splits": [[3]]}, r"allowed_splits names \[3\]"),
     "empty group": ({"allowed_splits": [[]]}, "an empty group"),
 }
 
@@ -289,6 +298,7 @@ def test_only_axis_aligned_splits_and_tables_that_nobody_writes_to_keep_float32(
     assert Problem(table, LABELS, depth=2).samples.features is table
     assert Problem(table, LABELS, depth=2, split="hyperplane").samples.features.dtype == np.float64
     assert Problem(table.copy(), LABELS, depth=2).samples.features.dtype == np.float64
+    assert Problem(table, range(4), depth=2, loss=SquaredError()).samples.features.dtype == np.float64
     assert Problem(FEATURES, LABELS, depth=2, weights=np.ones(4, dtype=np.float32)).samples.weights.dtype == np.float64
 
 
@@ -297,8 +307,9 @@ def test_a_table_is_read_in_blocks_of_rows(monkeypatch):
     lacking = np.array([[0.0, np.nan], [1.0, 2.0], [np.nan, np.nan]])
     monkeypatch.setattr(problem_values, "BLOCK", 2)
     assert problem().digest() == whole
-    p = Problem(lacking, [0, 1, 1], depth=1)
+    p, turned = (Problem(rows, [0, 1, 1], depth=1) for rows in (lacking, lacking[[2, 0, 1]]))
     assert (p.samples.n_missing, p.samples.features_with_missing) == (3, (0, 1))
+    assert turned.samples.features_with_missing == (0, 1)
 
 
 @pytest.mark.parametrize(

@@ -81,8 +81,9 @@ def test_a_row_is_the_mean_of_as_long_a_stretch_as_its_samples_need(lengths, wor
 
 
 def test_a_load_keeps_the_digits_that_its_independent_samples_bear():
-    found = [_rounded(Statistic(100, 0, 1.23456789, sd, effective)) for sd, effective in ((1.0, 1.0), (1.0, 100.0))]
-    assert found == [1.2, 1.23]
+    spreads = ((3.0, 1.0), (1.0, 1.0), (1.0, 100.0))
+    found = [_rounded(Statistic(100, 0, 1.23456789, sd, effective)) for sd, effective in spreads]
+    assert found == [1.2, 1.2, 1.23]
     assert _rounded(Statistic(100, 0, 1.23456789012, 0.0, 100.0)) == 1.23456789
 
 

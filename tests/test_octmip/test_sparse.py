@@ -66,7 +66,7 @@ def test_the_depth_follows_the_price_and_a_depth_that_is_given_stays():
     fixed = problem.replace(depth=3)
     assert not fixed.shape.any_depth
     assert fixed.shape.depth == 3
-    assert priced(0.0, max_splits=4).shape.depth == 4
+    assert [priced(0.0, max_splits=most).shape.depth for most in (0, 1, 4)] == [1, 1, 4]
 
 
 def test_what_has_no_price_is_refused():

@@ -76,6 +76,7 @@ def test_the_bound_is_true_and_its_log_is_accepted(case: str, tmp_path: Path) ->
     optimum = float(least_cost(problem)) if problem.samples.n_samples < 20 else 14.0
     assert solution.bound <= optimum <= solution.objective
     assert solution.stop is (Stop.NUMERICS if case in UNPROVEN else Stop.OPTIMAL)
+    assert solution.details["numerically_undecided"] == (case in UNPROVEN)
     assert check_proof(problem, tmp_path / "log", bound=solution.bound).bound == solution.bound
 
 

@@ -1,10 +1,13 @@
 """Windows of steady load: where they are, and where there are none."""
 
+import contextlib
+import re
+
 import numpy as np
 import pytest
 
 from octmip.errors import DataError
-from octmip.formats.table.units import factor_between
+from octmip.formats.table.units import _UNITS, factor_between
 from octmip.recordings import Channel, Window
 from octmip.recordings.windows import moving, ordered, steady_windows, window_of
 
@@ -111,3 +114,18 @@ def test_windows_that_are_given_are_ordered_and_a_load_that_moves_is_told():
 )
 def test_units_that_the_table_lacks_are_those_of_pint_and_angles_stay_angles(given, wanted, factor):
     assert factor_between(given, wanted) == (None if factor is None else pytest.approx(factor))
+
+
+OTHER_IN_PINT = {"ue", "Nm", "kNm", "Nm/rad", "kNm/rad", "rpm", "g", "mg", "pct"}
+"""Electronvolts, nanometres, radians a minute, grams."""
+
+
+def test_a_unit_of_the_table_is_as_large_as_in_pint():
+    pint, sizes = pytest.importorskip("pint"), {}
+    read = pint.UnitRegistry().parse_expression
+    for unit, (quantity, size) in _UNITS.items():
+        if unit not in OTHER_IN_PINT and not quantity.startswith("temperature"):
+            with contextlib.suppress(pint.UndefinedUnitError, AssertionError):  # it has no Volt, and no -
+                sizes[unit] = (size, read(re.sub(r"(?<=[ms])2$", "^2", unit)).to_base_units().magnitude)
+    assert len(sizes) > 90
+    assert {unit: own for unit, (own, _) in sizes.items()} == pytest.approx({u: size for u, (_, size) in sizes.items()})

@@ -70,8 +70,16 @@ def test_what_can_be_read_in_two_ways_is_refused_with_its_cure(cells, sentence):
 
 WORDS = (
     *("5more|4", "1.2.3|1.2.4", "2, 3|4, 5", "A-1|A-2", "x%|y%"),
-    *("1st|2nd|3rd", "2wd|4wd", "(1)|(2)|(3)", "1-|2-|3-", "5 mm|5 cm|6 cm"),
+    *("1st|2nd|3rd", "2wd|4wd", "(1)|(2)|(3)", "1-|2-|3-", "5 mm|5 cm|6 cm", "5%|7#"),
 )
+
+
+def test_each_column_is_named_with_its_own_form():
+    found = Columns.learn(pd.DataFrame({"a": ["5%", "7%"], "b": ["$5", "$7"], "c": [1.0, 2.0]})).changes()
+    assert [words.rpartition(" (")[0] for words in found] == [
+        "1 column ('a') read as per cent",
+        "1 column ('b') read as amounts in $",
+    ]
 
 
 @pytest.mark.parametrize("cells", [words.split("|") for words in WORDS])

@@ -72,7 +72,8 @@ def ratios(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
     order, scale = list(inputs.order), SMALL * inputs.frame.scale
     pairs = [(inputs.named(states[part.number]), part.load) for part in inputs.averages]
     twins = np.array([inputs.twin.predict(state, load)[order] for state, load in pairs])
-    found = (expected * twins + scale**2) / (twins**2 + scale**2)
+    own = twins**2 + scale**2  # 0 where the twin reads nothing in any reading of a kind
+    found = np.divide(expected * twins + scale**2, own, out=np.ones_like(own), where=own > 0.0)
     return np.asarray(np.clip(found, 1.0 / MOST_RATIO, MOST_RATIO))
 
 

@@ -9,6 +9,7 @@ import pytest
 
 import octmip
 from octmip.errors import DataError
+from octmip.interfaces.cli.answer import rounded
 from octmip.interfaces.cli.sets.amount import amount_of
 
 SCHEMAS = Path(octmip.__file__).parent / "interfaces" / "schemas"
@@ -66,10 +67,8 @@ def test_sensors_without_time_carry_question_marks(run: Any, data: Path) -> None
         ("sensors", ("--out", "sensors.txt"), "--out sensors.txt is no picture"),
     ],
 )
-def test_what_cannot_be_answered_is_refused(run: Any, data: Path, command: str, words: Any, message: str) -> None:
-    code, out, err = run(command, data, *ASKED, "--depth", 2, *words)
-    assert (code, out) == (2, "")
-    assert message in err
+def test_what_cannot_be_answered_is_refused(refused: Any, data: Path, command: str, words: Any, message: str) -> None:
+    assert message in refused(command, data, *ASKED, "--depth", 2, *words)
 
 
 def test_an_amount_is_a_number_or_a_share() -> None:
@@ -78,3 +77,7 @@ def test_an_amount_is_a_number_or_a_share() -> None:
     assert amount_of("29%").above(200.0) == 58.0
     with pytest.raises(DataError, match="expected an amount"):
         amount_of("1e999")
+
+
+def test_whole_numbers_of_a_table_stay_whole():
+    assert [rounded(value) for value in (12345678, 12345678.9, None)] == [12345678, 12345700.0, None]
