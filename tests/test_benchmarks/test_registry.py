@@ -102,14 +102,11 @@ def test_pages_say_how_much_faster_depth_3_is_as_the_data_have_it():
     assert f"At depth 3 the mean is {mean}." in (ROOT / "docs/benchmarks.md").read_text()
 
 
-@pytest.mark.parametrize(("arguments", "message"), [
-    (["--cases", "0"], "--cases is 0; expected 1 or more"),
-])  # fmt: skip
-def test_a_plan_that_cannot_be_is_refused(arguments, message, monkeypatch, capsys):
-    monkeypatch.setattr("sys.argv", ["blind", *arguments])
+def test_a_plan_that_cannot_be_is_refused(monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["blind", "--cases", "0"])
     with pytest.raises(SystemExit):
         blind_main()
-    assert message in capsys.readouterr().err
+    assert "--cases is 0; expected 1 or more" in capsys.readouterr().err
 
 
 # Public tables by one command: three of the seventy-one here, all in the benchmark `command_tables`

@@ -49,12 +49,6 @@ def test_damage_lowers_the_modulus_of_its_region(coarse: Wing, tmp_path: Path) -
     assert moduli[1] == pytest.approx(0.5 * moduli[0])
 
 
-def test_a_result_without_a_gauges_element_is_refused(coarse: Wing, tmp_path: Path) -> None:
-    (tmp_path / "wing.dat").write_text("\n")
-    with pytest.raises(InputError, match=r"wing.dat has 0 strains of element \d+, which gauge g01 reads"):
-        read_gauges(coarse, tmp_path / "wing.dat")
-
-
 def test_the_last_increment_of_a_result_counts(coarse: Wing, tmp_path: Path) -> None:
     elements = range(1, coarse.structure.shells.mesh.n_elements + 1)
     for share in (0.5, 1.0):

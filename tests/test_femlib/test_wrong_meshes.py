@@ -35,18 +35,6 @@ def not_finite():
     return read(changed(points=points))
 
 
-def two_parts():
-    mesh = plate_mesh()
-    n = len(mesh.points)
-    points = np.concatenate([mesh.points, mesh.points[:4] + np.array([0.0, 5.0, 0.0])])
-    cells = [*mesh.cells, meshio.CellBlock("quad", np.array([[n, n + 1, n + 2, n + 3]]))]
-    points[n + 2 :, 1] += 0.1
-    points[[n + 2, n + 3]] = points[[n + 3, n + 2]]
-    every = [np.arange(24), np.zeros(0, dtype=int), np.arange(1)]
-    sets = {"skin": every, "mast": [np.zeros(0, dtype=int), np.arange(2), np.zeros(0, dtype=int)]}
-    return built(meshio.Mesh(points, cells, cell_sets=sets, point_sets=mesh.point_sets), supports={"left": "clamped"})
-
-
 def short_beam():
     points = plate_mesh().points.copy()
     points[-1] = points[-2]
@@ -92,7 +80,6 @@ CASES = {
     "volumes": (lambda f: read(meshio.Mesh(np.eye(4, 3), [("tetra", np.arange(4)[None])])), "no volumes"),
     "quadratic": (lambda f: read(meshio.Mesh(np.eye(6, 3), [("triangle6", np.arange(6)[None])])), "corners_only"),
     "lone node": (lambda f: lone_node(), "node 37 at .* belongs to no element"),
-    "two parts": (lambda f: two_parts(), "can still move as a rigid body"),
     "no support": (lambda f: plate_with_mast(supports={}), "has no support"),
     "too few supports": (lambda f: plate_with_mast(supports={"corner": "pinned"}), "can still move as a rigid body"),
     "wrong direction": (lambda f: plate_with_mast(supports={"left": "w"}), "expected 'clamped', 'pinned' or some"),

@@ -15,10 +15,11 @@ from femlib.assembly import (
     line_load,
     natural_modes,
     point_masses,
+    solution_quality,
     surface_load,
     thermal_load,
 )
-from femlib.components import Component, DamagedStructure, damage_row
+from femlib.components import Component, DamagedStructure, damage_row, port_flexibility
 from femlib.errors import InputError, SolveError
 from femlib.geometry import Planform
 from femlib.material import Ply, isotropic_plate, laminate
@@ -85,10 +86,12 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: shells(card=isotropic_plate(7e10, 0.3, 1e-9)), "laminate 0 is 1e-09 m thick on a mesh 1.41 m across"),
     (lambda: PLATE.stiffness(CORNER.astype(int)), "elements are int64 of shape .16,.; expected .16,. booleans"),
     (lambda: damaged(CORNER.astype(int)), "region a has elements of int64; expected booleans, one for each"),
+    (lambda: damaged(np.zeros(16, dtype=bool)), "region a holds no element"),
     (lambda: damaged(np.ones(16, dtype=bool)), "region a shares no moving node with the rest of the structure"),
     (lambda: DamagedStructure(PLATE, HELD, Component("a", "mu", CORNER)), "components are a Component; expected a"),
     (lambda: damaged().solve_loads([0.1], LOAD, np.zeros(3)), r"pristine has shape \(3,\); expected \(150,\)"),
     (lambda: damaged().solve_outputs(np.array([[0.1]]), LOAD, ROWS[:, :7]), r"rows have shape \(1, 7\); expected"),
+    (lambda: port_flexibility(damaged(), LOAD, ROWS, ()), "0 output names but 1 rows; expected one name per row"),
     (lambda: reduce_structure(damaged(), LOAD, ROWS[:, :7], ("a",)), r"rows have shape \(1, 7\); expected"),
     (lambda: damage_row({"mu": True}, ("mu",)), "state has {'mu': True}; expected fractions"),
     (lambda: damage_row([0.1], ("mu",)), "state is a list; expected damages by parameter name"),
@@ -105,6 +108,8 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     ),
     (lambda: deflect(PLATE, HELD, LOAD, tolerance=-1.0), "tolerance is -1.0; expected a share of the load"),
     (lambda: deflect(PLATE, HELD, LOAD, stiffness_factor=-np.ones(16)), "stiffness factor of element 0 is -1.0"),
+    (lambda: solution_quality(PLATE, np.zeros(3)), r"displacements has shape \(3,\); expected \(150,\)"),
+    (lambda: solution_quality(PLATE, LOAD).refuse(-1), "limit is -1; expected a share"),
     (lambda: laminate([]), "laminate got 0 plies"),
     (lambda: laminate(PLY), "laminate got a Ply; expected a list of Ply"),
     (

@@ -59,13 +59,6 @@ def test_shares_are_those_of_the_training_weight_in_the_leaf():
     assert fitted.predict_log_proba([[0], [1]]).tolist() == [[0, -math.inf], [math.log(0.25), math.log(0.75)]]
 
 
-def test_costs_weigh_the_errors():
-    features, labels = [[0.0], [0.0], [0.0], [1.0]], ["a", "a", "b", "b"]
-    for costs, told in ((None, "a"), ([[0, 1], [5, 0]], "b")):
-        fitted = OptimalTreeClassifier(max_depth=1, method="cart", costs=costs).fit(features, labels)
-        assert fitted.predict([[0]]) == [told]
-
-
 def test_a_frame_of_costs_and_a_series_of_priors_go_by_the_names_of_the_classes():
     features, labels = [[0.0], [0.0], [0.0], [1.0]], ["a", "a", "b", "b"]
     costs = pd.DataFrame([[0, 1], [5, 0]], index=["a", "b"], columns=["a", "b"])

@@ -95,7 +95,6 @@ def test_white_noise_raises_no_finding_and_its_size_is_right():
 # Tables as they come from loggers and spreadsheets: each is read, warned of or refused with row, column and cure
 
 
-TWIN = Beam()
 ROWS = lines_of(measured(1, loads=(0.0, 1.0, 2.0), repeats=6))
 """Row 1 is the header; rows 2 to 7 are at load factor 0, 8 to 13 at 1, 14 to 19 at 2."""
 
@@ -277,15 +276,6 @@ def test_a_gauge_that_meets_both_ends_of_its_range_is_left_out_at_both():
     left_out = np.concatenate([fault.rows for fault in found])
     assert [float(c.load) for c in campaign.cells if not np.isin(c.rows, left_out).any()] == [0.0]
     assert found[1].words.startswith("Clipped: column g07 stops at -900 microstrain")
-
-
-def test_an_effect_is_found_beside_clipped_gauges():
-    change = lambda state, load, time: np.full(20, -25.0)  # noqa: E731
-    whole = measured(5, change=change)
-    campaign = replace(whole, readings=np.minimum(whole.readings, 1500.0))
-    diagnosis = diagnose(campaign, TWIN, commissioning=measured(1000))
-    assert diagnosis.which[0].effects == ("temperature_uniform",)
-    assert diagnosis.which[0].parameters[0].size == pytest.approx(10.0, abs=1.0)
 
 
 def test_no_rail_is_seen_where_there_is_none():

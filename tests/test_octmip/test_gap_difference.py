@@ -133,13 +133,6 @@ def test_the_level_of_a_kind_is_by_how_much_its_readings_differ_more_than_usual(
     assert np.exp(np.mean(np.log(factors))) == pytest.approx(level, rel=0.25)
 
 
-def test_tests_of_a_run_that_are_alike_wander_by_nothing_that_counts():
-    days = joined([measured(1200 + k) for k in range(4)])
-    scale = np.sqrt(np.mean((3.0 * HEALTHY) ** 2))
-    wander = prepared(measured(5), days).difference.wander
-    assert np.sqrt(np.median(np.diag(wander[0]))) * scale < 5.0
-
-
 def test_a_run_tells_how_far_sound_readings_differ_so_that_the_level_is_of_what_damage_changes_alone():
     campaign = measured(3, states=((0.3, 0.2),))
     with_run, without = prepared(campaign), prepared(campaign, None)
@@ -156,16 +149,13 @@ def test_a_run_tells_how_far_sound_readings_differ_so_that_the_level_is_of_what_
 # The linear model is read only, an inference keeps what it was asked, and the next test goes by what is seen
 
 
-TWIN = Beam()
-COMMISSIONING = measured(1000)
 SETS = [(), (0,), (3, 40), (21,), (2, 30, 60)]
 
 
 @pytest.fixture(scope="module")
 def model():
     campaign = measured(3, lambda state, load, time: np.full(20, -25.0))
-    inputs, _ = prepare(campaign, TWIN, {**CHAIN, **TWIN.effects}, COMMISSIONING)
-    return linearise(inputs, np.array([cell.state for cell in campaign.cells]))
+    return linearise(prepared(campaign), states_of(campaign))
 
 
 def test_nothing_of_a_linear_model_can_be_written(model):
@@ -197,7 +187,7 @@ def test_tests_are_proposed_for_what_shows_an_effect_whatever_its_name(quantitie
     change = 2.0 * softer.shape
 
     campaign = measured(5, lambda state, load, time: change * TWIN.predict(state, load))
-    found = diagnose(campaign, TWIN, {**hidden, softer.name: softer}, commissioning=COMMISSIONING)
+    found = diagnose(campaign, TWIN, {**hidden, softer.name: softer}, commissioning=RUN)
     proposed = {test.name for test in found.next_test if not test.is_strain_test}
     by_quantity = {"deflection": "tip_deflection", "thermal_zero": "thermal_soak", "frequency": "frequency"}
     assert proposed == {"load_cell", "shunt_calibration", *(by_quantity[q] for q in quantities)}
@@ -248,14 +238,13 @@ def test_no_load_beyond_the_limits_is_proposed(twin, limits, proposed):
 
 def test_limits_of_the_load_in_the_wrong_order_are_refused():
     with pytest.raises(DataError, match="the lowest first"):
-        diagnose(measured(21, loads=(2.0,)), Beam(), commissioning=COMMISSIONING, load_limits=(3.5, -1.0))
+        diagnose(measured(21, loads=(2.0,)), Beam(), commissioning=RUN, load_limits=(3.5, -1.0))
 
 
 @pytest.mark.parametrize("level", [0.5, 4.0])
 def test_columns_are_good_for_every_level(level):
     campaign = measured(3, states=((0.4, 0.2),))  # how wrong a damage is known depends on the level
-    inputs, _ = prepare(campaign, TWIN, {**CHAIN, **TWIN.effects}, COMMISSIONING)
-    states = np.array([cell.state for cell in campaign.cells])
+    inputs, states = prepared(campaign), states_of(campaign)
     usual, made = linearise(inputs, states), linearise(inputs, states, level)
     moved = usual.under(level)
     assert moved.log_none == pytest.approx(made.log_none, abs=1e-9)

@@ -44,7 +44,6 @@ def test_a_hostile_cell_is_refused_with_its_line(tmp_path, cell, sentence):
     [
         (b"\xff\xfex\x00,", "line 1: byte 0x2c is not UTF-16"),
         (b"a" * 1001 + b",y\n1,2\n", "a column whose name has 1001 characters"),
-        (b"x,y\n1,2,\n3,4,5\n", "line 2: 3 cells but the header has 2"),
         (b"x,y\n1," + b"a" * 1001 + b"\n", "has 1001 characters; expected at most 1000"),
     ],
 )

@@ -13,7 +13,6 @@ from octmip.trees.mip.benders.memory import Memory
 from octmip.trees.mip.benders.solver import solve_benders
 from octmip.trees.mip.benders.subproblem import Subproblem
 from octmip.trees.mip.prices import own_prices
-from octmip.trees.question.losses import ClassCosts
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem
 
@@ -24,19 +23,6 @@ def mixed(n: int, p: int, n_classes: int, seed: int, **options) -> Problem:
     labels = (features[:, 0] > 0).astype(int) + (features[:, 1] > 0.5) * (rng.random(n) < 0.8) * (n_classes > 2)
     labels = np.where(rng.random(n) < 0.2, rng.integers(0, n_classes, n), labels)
     return Problem(features, labels, **options)
-
-
-SHAPES = [
-    {"depth": 2},
-    {"depth": 3},
-    {"depth": 2, "leaf_size": 9},
-    {"depth": 2, "leaf_penalty": 3.0},
-    {"depth": 2, "sensor_budget": 1},
-    {"depth": 2, "sensor_budget": 2},
-    {"depth": 2, "sensor_budget": 3, "sensor_cost": [1.0, 2.0, 2.0]},
-    {"depth": 2, "loss": ClassCosts([[0, 1, 2], [1, 0, 1], [2, 1, 0]])},
-    {"depth": 2, "allowed_splits": [[0], [2]]},
-]
 
 
 def test_without_a_feature_that_varies_the_tree_is_a_leaf():

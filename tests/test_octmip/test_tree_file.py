@@ -116,12 +116,6 @@ def test_a_tree_is_told_by_names_to_a_problem_of_another_order(tmp_path):
     assert (np.array(turned.samples.class_names)[predict(retold, turned.samples.features)] == told).all()
 
 
-def test_a_bound_that_was_not_proven_is_null(tmp_path):
-    path = written(tmp_path)
-    assert json.loads(path.read_text())["solution"]["bound"] is None
-    assert read_tree_file(path).solution.bound == -math.inf
-
-
 def test_a_solution_without_a_tree_is_not_written():
     with pytest.raises(TreeError, match="nothing to write"):
         record_tree(full_problem(), Solution(None, math.inf, 0.0, Stop.TIME, 0.0, 0, "oct", "1", 0))

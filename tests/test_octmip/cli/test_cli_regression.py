@@ -54,19 +54,9 @@ def test_a_tree_is_solved_certified_applied_and_shown(houses, run, tmp_path, los
     code, out, err = solved(run, houses, "--loss", loss, "--proof", log, "--write-problem", problem, "--json")
     assert json.loads(out)["loss"] == json.loads(problem.read_text())["loss"] == file.loss.spelling
     assert log.read_text().startswith(f"octmip-proof 3 regression {file.loss.spelling}\n")
-
-
-def test_a_proof_log_is_written_checked_and_refused(houses, run, tmp_path):
-    tree, log, problem = tmp_path / "t.json", tmp_path / "p.log", tmp_path / "p.json"
-    code, out, err = solved(run, houses, "--out", tree, "--proof", log, "--write-problem", problem)
-    assert (code, err) == (0, "")
-    assert "In training, proven optimal" in out
-    file = json.loads(problem.read_text())
-    assert (file["format"], file["loss"], len(file["targets"])) == ("octmip-regression-problem", "squared", 60)
     code, out, err = run("certify", tree, houses, "--proof", log)
     assert (code, err) == (0, "")
     assert "proof: no tree costs less than" in out
-    assert json.loads(run("certify", tree, houses, "--proof", log, "--json")[1])["proof"]["n_lines"] > 6
     log.write_text(log.read_text().replace("E\n", "", 1))
     code, _, err = run("certify", tree, houses, "--proof", log)
     assert code == 1
@@ -109,8 +99,8 @@ def test_a_changed_file_is_refuted_or_refused(houses, run, tmp_path):
     solved(run, houses, "--out", tree)
     assert "--proof needs the table" in run("report", tree, "--proof", "p.log")[2]
     changed(tree)
-    code, _, err = run("certify", tree, houses)
-    assert code == 1
+    code, out, err = run("certify", tree, houses)
+    assert (code, out, err.count("\n")) == (1, "", 1)
     assert "claims objective" in err
     changed(tree, leaf_counts=[[60]])
     assert "leaf_counts has shape (1, 1)" in run("certify", tree, houses)[2]

@@ -1,6 +1,5 @@
 """octmip report with the data: what is recounted, compared and held out, as words, Markdown and a page."""
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -69,29 +68,6 @@ def test_what_cannot_be_reported_is_refused_with_a_cure(refused, data, solved, w
 
 
 # octmip certify, predict and report: a tree file recounted, refuted, applied and shown
-
-
-def broken(tree, change):
-    content = json.loads(tree.read_text())
-    change(content)
-    tree.write_text(json.dumps(content))
-
-
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        (lambda file: file["solution"].update(objective=0.0), "claims objective 0.0 but the tree's own"),
-        (lambda file: file["problem"].update(leaf_size=15), "leaf_size is 15"),
-        (lambda file: file["training"].update(sha256="0" * 64), "is not the table"),
-    ],
-)
-def test_certify_refutes_a_file_changed_by_hand(data, run, tree, change, sentence):
-    broken(tree, change)
-    code, out, err = run("certify", tree, data)
-    assert code == 1
-    assert out == ""
-    assert sentence in err
-    assert err.count("\n") == 1
 
 
 def test_predict_needs_only_the_features_that_the_tree_reads(run, refused, tree, tmp_path):

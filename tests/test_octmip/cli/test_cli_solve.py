@@ -129,12 +129,6 @@ def test_the_first_report_within_a_gap_counts_and_the_end_closes_the_rest():
     assert len(shown) == 3
 
 
-def test_the_end_is_timed_by_the_clock_of_the_solution():
-    times = GapTimes(lambda state: None)
-    times.end(Solution(Leaf(0), 100.0, 100.0, Stop.OPTIMAL, 0.25, 1, "exact", "1", 0))
-    assert set(times.reached().values()) == {0.25}
-
-
 # A Parquet file of float32 columns becomes a problem as it is, and the tree is that of its values as float64
 
 
