@@ -134,16 +134,8 @@ def test_every_method_of_the_core_solves_and_predicts_without_an_extra(said):
 
 def test_the_command_needs_no_extra_for_what_is_no_picture(said):
     done = {words: told for words, told in said.items() if " " in words and told[0] == 0}
-    assert [words.split()[0] for words in done] == [
-        "solve",
-        "certify",
-        "predict",
-        "compare",
-        "frontier",
-        "report",
-        "report",
-        "report",
-    ]
+    assert {words.split()[0] for words in done} == {"solve", "certify", "predict", "compare", "frontier", "report"}
+    assert len(done) == 8
     assert not any("install octmip[" in err for _, err in done.values())
 
 

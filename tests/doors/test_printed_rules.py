@@ -61,6 +61,7 @@ def test_a_threshold_lies_between_its_neighbours_and_is_no_longer_than_their_mea
     (1.9, 3.0, "2.45"),
     (0.1, 0.2, "0.15"),
     (1.0, np.nextafter(1.0, 2.0), "1"),
+    (1.0 + 2.0**-52, 1.0 + 2.0**-51, "1.0000000000000002"),
     (-1e-300, 1e-300, "0"),
 ])  # fmt: skip
 def test_a_threshold_needs_few_digits(low, high, text):

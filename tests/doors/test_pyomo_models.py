@@ -39,19 +39,11 @@ def reads(feature):
     return lambda M: pyo.Constraint(expr=M.a[feature, 1] == 1)
 
 
-def appsi_results(model):
-    return appsi.solvers.Highs().solve(model)
-
-
-def new_results(model):
-    return SolverFactory("highs").solve(model)
-
-
 @pytest.mark.parametrize(
     ("solve", "named"),
     [
-        (appsi_results, "another solver"),
-        (new_results, "highs"),
+        (appsi.solvers.Highs().solve, "another solver"),
+        (SolverFactory("highs").solve, "highs"),
         (pyo.SolverFactory("appsi_highs").solve, "another solver"),
     ],
 )

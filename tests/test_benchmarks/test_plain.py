@@ -6,26 +6,19 @@ import pytest
 from benchmarks.plain.least_squares import FITS, fits_of
 from benchmarks.plain.selector import select
 from octmip.gap import Recorded, function_twin, gathered
-from tests.test_octmip.beam_twin import Beam, measured
+from tests.test_octmip.beam_twin import Beam, both, effect, measured
 
 TWIN = Beam()
 RUN = measured(1000)
 
 
-def at(gauge, value):
-    return value * np.eye(20)[gauge]
-
-
-CLEAR = {
-    "temperature_uniform": lambda state, load, time: np.full(20, -25.0),
-    "gauge_gain": lambda state, load, time: at(4, 0.04) * TWIN.predict(state, load),
-}
+CLEAR = {"temperature_uniform": effect("temperature_uniform", 10.0), "gauge_gain": effect("gauge_gain", 4.0, "g05")}
 
 
 @pytest.mark.parametrize("name", CLEAR)
 def test_a_clear_effect_is_named(name):
     first = select(measured(4, CLEAR[name]), TWIN, RUN).causes[0]
-    assert [effect.name for effect, _ in first.members] == [name]
+    assert [one.name for one, _ in first.members] == [name]
     assert first.probability > 0.9
 
 
@@ -34,10 +27,8 @@ def test_a_sound_asset_is_not_accused_though_each_gauge_differs_from_the_twin():
 
 
 def test_a_pair_is_named_and_what_is_confounded_with_a_part_is_said():
-    def both(state, load, time):
-        return -0.03 * TWIN.predict(state, load) + at(9, 40.0)
-
-    shared, own = sorted(map(sorted, select(measured(8, both), TWIN, RUN).causes[0].names))
+    pair = both(effect("modulus", 3.0), effect("gauge_bias", 40.0, "g10"))
+    shared, own = sorted(map(sorted, select(measured(8, pair), TWIN, RUN).causes[0].names))
     assert own == ["gauge_bias"]
     assert {"common_gain", "modulus"} <= set(shared)
 

@@ -165,6 +165,8 @@ def test_a_packed_or_incomplete_model_is_refused(tmp_path: Path, members: dict[s
     [
         (" 1 1 0. 1e999 0. 0. 0. 0. S", "line 2: '1e999' is no finite number; expected six"),
         (" 1 1 0. x 0. 0. 0. 0. S", "line 2: 'x' is no finite number"),
+        (" 1 1 0. nan 0. 0. 0. 0. S", "line 2: 'nan' is no finite number"),
+        (" 1 1 0. 1e300 0. 0. 0. 0. S", "line 2: '1e300' is no strain"),
     ],
 )
 def test_a_hostile_result_is_refused(tmp_path: Path, line: str, sentence: str) -> None:

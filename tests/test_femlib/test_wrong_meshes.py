@@ -54,19 +54,6 @@ def written(folder, text, name="mesh.inp", **options):
     return read(folder / name, **options)
 
 
-def lone_node():
-    mesh = plate_mesh()
-    return read(changed(points=np.concatenate([mesh.points, [[9.0, 9.0, 9.0]]])))
-
-
-def gauge(sets):
-    return PLATE.strain_rows([StrainGauge("g", (0.3, 0.2, 0.0), (1, 0, 0), sets)])
-
-
-def millimetres():
-    return built(changed(points=1e3 * plate_mesh().points))
-
-
 def soft():
     """Megapascals where pascals are expected."""
     plate = plate_with_mast(sections=SECTIONS | {"skin": isotropic_plate(70e3, 0.33, 0.003)}, damage=())
@@ -79,7 +66,10 @@ CASES = {
     "empty set": (lambda f: built(plate_mesh(), SECTIONS | {"nothing": ALUMINIUM}), "'nothing' is empty"),
     "volumes": (lambda f: read(meshio.Mesh(np.eye(4, 3), [("tetra", np.arange(4)[None])])), "no volumes"),
     "quadratic": (lambda f: read(meshio.Mesh(np.eye(6, 3), [("triangle6", np.arange(6)[None])])), "corners_only"),
-    "lone node": (lambda f: lone_node(), "node 37 at .* belongs to no element"),
+    "lone node": (
+        lambda f: read(changed(points=np.vstack([plate_mesh().points, [9.0, 9.0, 9.0]]))),
+        "node 37 at .* belongs to no element",
+    ),
     "no support": (lambda f: plate_with_mast(supports={}), "has no support"),
     "too few supports": (lambda f: plate_with_mast(supports={"corner": "pinned"}), "can still move as a rigid body"),
     "wrong direction": (lambda f: plate_with_mast(supports={"left": "w"}), "expected 'clamped', 'pinned' or some"),
@@ -88,7 +78,10 @@ CASES = {
         lambda f: built(plate_mesh(), SECTIONS | {"mast": rectangular_beam(7e10, 0.3, 0.1, 0.1, (0, 0, 1))}),
         "runs along its section's y_axis",
     ),
-    "gauge on beams": (lambda f: gauge(("mast",)), "which hold beams alone"),
+    "gauge on beams": (
+        lambda f: PLATE.strain_rows([StrainGauge("g", (0.3, 0.2, 0.0), (1, 0, 0), ("mast",))]),
+        "which hold beams alone",
+    ),
     "no section": (lambda f: built(plate_mesh(), {"middle": ALUMINIUM}), "16 shells have no section"),
     "two sections": (lambda f: built(plate_mesh(), SECTIONS | {"middle": ALUMINIUM}), "both have a section"),
     "plate as beam": (lambda f: built(plate_mesh(), {"skin": SECTIONS["mast"]}), "holds shells alone; expected lines"),
@@ -121,7 +114,7 @@ CASES = {
     "an included file": (lambda f: written(f, DECK + "*INCLUDE, INPUT=o\n"), "o cannot be read"),
     "unit": (lambda f: written(f, DECK, unit="km"), "unit is 'km'; expected one of"),
     "not finite": (lambda f: not_finite(), "node 3 lies at"),
-    "millimetres": (lambda f: millimetres(), "read\\(..., unit='mm'\\)"),
+    "millimetres": (lambda f: built(changed(points=1e3 * plate_mesh().points)), "read\\(..., unit='mm'\\)"),
     "megapascals": (lambda f: soft(), "moduli in Pa"),
     "mass below zero": (lambda f: plate_with_mast(masses={"top": -1.0}), "mass at 'top' is -1.0 kg"),
     "no mass": (

@@ -32,7 +32,7 @@ class Field:
     is_one_sided: bool = False
     separated_by: str = "its shape"
     seen_by: tuple[str, ...] = ()
-    signature_error = 0.0  # no field of the dataclass: kinds of fields have their own
+    signature_error: float | np.ndarray = 0.0
 
     def places(self, twin):
         return ("",)

@@ -18,10 +18,6 @@ from tests.oracles.strategies import problems, random_problem, random_tree
 from tests.oracles.wide_problems import wide_problem
 
 
-def with_costs(**settings):
-    return Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=2, **settings)
-
-
 def test_ranks_of_rows_are_taken_by_the_core_and_survive_a_journey():
     table = rank_features(Problem([[0.5, 1], [0.5, 0], [1.5, 0], [4.0, 0]], [0, 1, 0, 1], depth=1)).table
     taken = table.of_rows(np.array([3, 0]))
@@ -64,7 +60,7 @@ def test_a_tree_passes_the_border_and_back_with_the_same_predictions(problem, se
     ],
 )
 def test_no_objective_overflows_whatever_the_numbers(settings):
-    problem = with_costs(**settings)
+    problem = Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=2, **settings)
     costs = integer_costs(problem)
     most = sum(int(w) * int(costs.costs[row].max()) for w, row in zip(costs.weights, costs.rows, strict=True))
     assert 0 < most + costs.penalty < 2**61

@@ -42,13 +42,7 @@ def test_a_cause_that_closes_all_of_a_gap_loses_nothing_and_one_that_closes_half
 
 @pytest.mark.parametrize(("power", "left"), [(1, 0.16), (0, 0.16), (2, 0.64), (None, 0.64)])
 def test_an_effect_of_a_linear_structure_leaves_no_more_than_the_square_of_its_error(power, left):
-    assert _left_by(Candidate(Traced("flaw", SHAPE, power, 1.0), "", 1.0)) == pytest.approx(left)
-
-
-class Traced(Field):
-    """A field whose trace is known to 40 %."""
-
-    signature_error = 0.4
+    assert _left_by(Candidate(Field("flaw", SHAPE, power, 1.0, signature_error=0.4), "", 1.0)) == pytest.approx(left)
 
 
 def test_a_gap_that_twin_and_asset_differ_by_says_little_of_how_far_a_cause_closes_it():
@@ -103,14 +97,8 @@ def test_an_effect_whose_course_over_the_load_is_another_is_called_unexplained()
     assert "unknown" in diagnose(measured(3, late), Beam(), library, commissioning=RUN).which[0].effects
 
 
-class KnownInPart(Field):
-    """A field that is known well at the first half of the gauges alone."""
-
-    signature_error = np.repeat([0.0, 0.5], 10)
-
-
 def test_a_signature_may_be_known_better_at_one_reading_than_at_another():
-    effect = KnownInPart("soak", SHAPE, 1, 10.0)
+    effect = Field("soak", SHAPE, 1, 10.0, signature_error=np.repeat([0.0, 0.5], 10))
     campaign = measured(3, lambda state, load, time: 12.0 * SHAPE * load)
     inference, (j,) = inference_of(campaign, effect)
     error = np.diag(inference._errors((j,), np.array([12.0]), 1.0)[0])
@@ -123,8 +111,6 @@ def test_a_signature_may_be_known_better_at_one_reading_than_at_another():
 
 class Softer(Field):
     """All strains divided by 1 + size / 100."""
-
-    signature_error = 0.0
 
     def predict(self, twin, state, load_factor, size, place, time):
         return twin.predict(state, load_factor) / (1.0 + 0.01 * size)

@@ -1,5 +1,7 @@
 """A large effect whose signature is not quite the library's: its name is right, and nothing else is dragged in."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import logsumexp
@@ -16,28 +18,12 @@ from tests.test_octmip.beam_twin import ETA, Asset, Beam, Bumps, Field, measured
 
 COMMISSIONING = measured(1000)
 SHAPE = -2.5 - 4.0 * np.linspace(-1, 1, 20) ** 2
-
-
-class Uncertain(Field):
-    """A field that the model knows to 3 % at each gauge."""
-
-    signature_error = 0.03
+SOAK = Field("soak", SHAPE, 1, 10.0, signature_error=0.03)
+"""A field that the model knows to 3 % at each gauge."""
 
 
 def twin_with(effect):
     return Beam(effects={**Beam().effects, effect.name: effect})
-
-
-class Roughly(Field):
-    """A field that the model knows to 10 % at each gauge."""
-
-    signature_error = 0.1
-
-
-class Exact(Field):
-    """A field whose shape is said to be known."""
-
-    signature_error = 0.0
 
 
 def inference_of(twin, campaign):
@@ -54,7 +40,7 @@ SOAKED = measured(3, lambda state, load, time: 40.0 * load * OFF)
 
 
 def test_the_model_that_allows_for_errors_of_signatures_has_the_dense_gaussian_density():
-    inference = inference_of(twin_with(Uncertain("soak", SHAPE, 1, 10.0)), SOAKED)
+    inference = inference_of(twin_with(SOAK), SOAKED)
     model = inference.model
     j = candidate(model, "soak")
     error = inference.errors((j,))
@@ -65,7 +51,7 @@ def test_the_model_that_allows_for_errors_of_signatures_has_the_dense_gaussian_d
 
 
 def test_an_error_of_a_signature_is_a_share_of_it_at_each_gauge_and_grows_with_the_size():
-    inference = inference_of(twin_with(Uncertain("soak", SHAPE, 1, 10.0)), SOAKED)
+    inference = inference_of(twin_with(SOAK), SOAKED)
     model = inference.model
     j = candidate(model, "soak")
     error, own = inference.errors((j,)), inference.fit((j,))
@@ -78,7 +64,7 @@ def test_an_error_of_a_signature_is_a_share_of_it_at_each_gauge_and_grows_with_t
 
 
 def test_where_a_signature_changes_its_sign_it_is_no_better_known_than_beside():
-    turning = Uncertain("turn", np.linspace(-5.0, 5.0, 21)[:-1], 1, 10.0)  # 0 at the tenth gauge
+    turning = replace(SOAK, name="turn", shape=np.linspace(-5.0, 5.0, 21)[:-1])  # 0 at the tenth gauge
     inference = inference_of(twin_with(turning), SOAKED)
     model = inference.model
     error = np.diag(inference.error_of(candidate(model, "turn"), 10.0)).reshape(-1, 20)[-1]
@@ -87,22 +73,23 @@ def test_where_a_signature_changes_its_sign_it_is_no_better_known_than_beside():
 
 
 def test_a_member_that_is_no_more_than_the_error_of_a_large_one_leaves_its_set():
-    effect, other = Uncertain("soak", SHAPE, 1, 10.0), Exact("dent", np.eye(20)[4], 1, 10.0)
+    other = Field("dent", np.eye(20)[4], 1, 10.0)
     beside = measured(3, lambda state, load, time: load * (120.0 * SHAPE + 8.0 * np.eye(20)[4]))
-    twin = Beam(effects={**Beam().effects, "soak": effect, "dent": other})
+    twin = Beam(effects={**Beam().effects, "soak": SOAK, "dent": other})
     inference = inference_of(twin, beside)
     both = tuple(sorted((candidate(inference.model, "soak"), candidate(inference.model, "dent"))))
     assert inference.identifiable(both) == (candidate(inference.model, "soak"),)
-    sure = Beam(effects={**Beam().effects, "soak": Exact("soak", SHAPE, 1, 10.0), "dent": other})
+    sure = Beam(effects={**Beam().effects, "soak": replace(SOAK, signature_error=0.0), "dent": other})
     assert len(inference_of(sure, beside).identifiable(both)) == 2
 
 
 def test_an_offset_of_all_gauges_is_named_with_the_field_that_may_be_as_even():
     shape, even = 4.0 + 0.4 * np.sin(np.arange(20.0)), measured(3, lambda state, load, time: 40.0)
-    for kind in (Roughly("warm", shape, 0, 10.0), Exact("warm", shape, 0, 10.0)):
-        first = diagnose(even, Beam(effects={"warm": kind}), commissioning=COMMISSIONING).which[0]
+    for error in (0.1, 0.0):
+        warm = Field("warm", shape, 0, 10.0, signature_error=error)
+        first = diagnose(even, Beam(effects={"warm": warm}), commissioning=COMMISSIONING).which[0]
         assert "unit_steady_constant" in first.names[0]
-        assert ("warm" in first.names[0]) == isinstance(kind, Roughly)
+        assert ("warm" in first.names[0]) == (error > 0.0)
 
 
 def test_two_cells_without_names_are_no_explanation():
@@ -114,7 +101,7 @@ def test_two_cells_without_names_are_no_explanation():
 
 
 def test_levels_of_errors_are_summed_like_the_density_at_every_level():
-    inference = inference_of(twin_with(Uncertain("soak", SHAPE, 1, 10.0)), SOAKED)
+    inference = inference_of(twin_with(SOAK), SOAKED)
     model = inference.model
     j = candidate(model, "soak")
     column, sd = model.signatures[:, j], model.inputs.priors.sd[j]
@@ -134,7 +121,7 @@ def test_levels_of_errors_are_summed_like_the_density_at_every_level():
 
 def test_errors_count_from_an_effect_that_stands_out_on():
     sound = measured(3)
-    faint, large = (inference_of(twin_with(Uncertain("soak", SHAPE, 1, 10.0)), one) for one in (sound, SOAKED))
+    faint, large = (inference_of(twin_with(SOAK), one) for one in (sound, SOAKED))
     for inference, counts in ((faint, False), (large, True)):
         j = (candidate(inference.model, "soak"),)
         assert (inference.fit(j).log_factor != inference.plain([j])[0].log_factor) == counts
@@ -145,9 +132,9 @@ def test_errors_count_from_an_effect_that_stands_out_on():
 @pytest.mark.parametrize("knows", [True, False])
 def test_a_shape_that_is_three_per_cent_off_drags_no_partner_in_when_its_error_is_known(knows):
     off = SHAPE * (1.0 + (0.03 if knows else 0.1) * np.random.default_rng(6).standard_normal(20))
-    kind = Uncertain if knows else Exact
     campaign = measured(3, lambda state, load, time: 40.0 * load * off)
-    first = diagnose(campaign, twin_with(kind("soak", SHAPE, 1, 10.0)), commissioning=COMMISSIONING).which[0]
+    known = twin_with(replace(SOAK, signature_error=0.03 * knows))
+    first = diagnose(campaign, known, commissioning=COMMISSIONING).which[0]
     assert (first.effects == ("soak",)) == knows
 
 

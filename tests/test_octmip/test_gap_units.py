@@ -242,17 +242,9 @@ def test_what_goes_wrong_inside_a_twin_is_one_sentence(fault, told):
         diagnose(tower(6), Broken(fault=fault))
 
 
-@dataclass(frozen=True)
-class Wrong(Softer):
-    """An effect of the wrong length."""
-
-    def signature(self, twin, state, load_factor, place="", time=0.0):
-        return np.zeros(2)
-
-
 def test_what_goes_wrong_inside_an_effect_is_one_sentence():
     with pytest.raises(TwinError, match=r"effect spring for place '': shape \(2,\)"):
-        diagnose(tower(7), replace(Tower(), effects={"spring": Wrong("spring", np.zeros(9), None, 8.0)}))
+        diagnose(tower(7), replace(Tower(), effects={"spring": Field("spring", np.zeros(2), 0, 8.0)}))
 
 
 def test_units_that_are_not_one_each_are_refused():

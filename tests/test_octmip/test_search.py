@@ -192,22 +192,8 @@ def test_integer_normals_are_integers_within_their_limit(most):
 
 LARGEST, TINIEST, NORMAL = np.finfo(np.float64).max, 5e-324, np.finfo(np.float64).tiny
 BELOW_ONE, ABOVE_ONE = np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)
-VALUES = [
-    TINIEST,
-    -TINIEST,
-    NORMAL,
-    1e-300,
-    1e300,
-    -1e300,
-    LARGEST,
-    -LARGEST,
-    0.0,
-    -0.0,
-    1.0,
-    ABOVE_ONE,
-    BELOW_ONE,
-    3.0,
-]
+VALUES = [NORMAL, 1e-300, 1.0, ABOVE_ONE, BELOW_ONE, 3.0]
+VALUES += [sign * size for size in (TINIEST, 1e300, LARGEST, 0.0) for sign in (1.0, -1.0)]
 
 
 def test_features_in_other_units_by_powers_of_two_get_the_same_tree():

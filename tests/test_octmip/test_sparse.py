@@ -14,10 +14,6 @@ RNG = np.random.default_rng(5)
 FEATURES, LABELS = RNG.normal(size=(30, 2)), RNG.integers(0, 3, 30)
 
 
-def drawn(seed: int) -> Problem:
-    return SPARSE_KIND.draw(np.random.default_rng([77, seed]))
-
-
 def priced(price: float, **more: object) -> Problem:
     return Problem(FEATURES, LABELS, leaf_penalty=price, **more)
 
@@ -25,7 +21,7 @@ def priced(price: float, **more: object) -> Problem:
 @pytest.mark.parametrize("prune", ["price", "kept", "shallower_first", "monotone", "cost_range", "mixed_labels"])
 def test_no_bound_costs_the_optimum(prune):
     for seed in range(25):
-        problem = drawn(1000 + seed)
+        problem = SPARSE_KIND.draw(np.random.default_rng([77, 1000 + seed]))
         if problem.shape.is_shaped:
             continue
         with native_call.without(prune):
