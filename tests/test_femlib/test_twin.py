@@ -9,7 +9,7 @@ from femlib.errors import InputError
 from femlib.wing import ReducedWing, Wing, WingTwin, saved_twin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import Campaign, Diagnosis, Recorded, diagnose, gathered
-from octmip.twin import predict_states
+from octmip.twin import Effect, Twin, predict_states
 
 LOADS, REPEATS, NOISE = (0.0, 1.0, 2.0, 3.0), 8, 5.0
 
@@ -36,6 +36,9 @@ def campaign(twin: WingTwin, state: dict[str, float], effect: str, size: float, 
 
 
 def test_full_and_reduced_wing_answer_by_one_protocol(full: WingTwin, reduced: WingTwin) -> None:
+    assert isinstance(full, Twin)
+    assert isinstance(reduced, Twin)
+    assert all(isinstance(effect, Effect) for effect in reduced.effects.values())
     for name in ("gauges", "parameters", "is_linear_in_load"):
         assert getattr(full, name) == getattr(reduced, name)
     assert np.array_equal(full.gauge_positions, reduced.gauge_positions)
