@@ -12,7 +12,7 @@ from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import OPEN_STATE, difference_at, linearise
 from octmip.gap.inference.rows import Rows
-from tests.test_octmip.beam_twin import HEALTHY, Beam, measured
+from tests.test_octmip.beam_twin import HEALTHY, Beam, effect, measured
 
 TWIN = Beam()
 RUN = measured(1000)
@@ -184,9 +184,7 @@ def test_an_answer_does_not_hang_on_what_was_asked_before(model):
 def test_tests_are_proposed_for_what_shows_an_effect_whatever_its_name(quantities):
     softer = replace(TWIN.effects["modulus"], name="wet_wood", seen_by=quantities)
     hidden = {name: CHAIN[name] for name in ("load_factor_error", "common_gain")}
-    change = 2.0 * softer.shape
-
-    campaign = measured(5, lambda state, load, time: change * TWIN.predict(state, load))
+    campaign = measured(5, effect("modulus", 2.0))
     found = diagnose(campaign, TWIN, {**hidden, softer.name: softer}, commissioning=RUN)
     proposed = {test.name for test in found.next_test if not test.is_strain_test}
     by_quantity = {"deflection": "tip_deflection", "thermal_zero": "thermal_soak", "frequency": "frequency"}
@@ -229,7 +227,7 @@ class Loaded(Beam):
     ],
 )
 def test_no_load_beyond_the_limits_is_proposed(twin, limits, proposed):
-    gain = lambda state, load, time: 0.06 * (np.arange(20) == 4) * Beam().predict(state, load)  # noqa: E731
+    gain = effect("gauge_gain", 6.0, "g05")
     run = measured(1000, loads=(2.0,))
     found = diagnose(measured(21, gain, loads=(2.0,)), twin, commissioning=run, load_limits=limits)
     assert {test.name for test in found.next_test if test.is_strain_test} == proposed

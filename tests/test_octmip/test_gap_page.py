@@ -1,6 +1,7 @@
 """What a test engineer reads: the page of words, and the report in a browser."""
 
 import dataclasses
+import json
 import re
 
 import numpy as np
@@ -16,21 +17,18 @@ from octmip.interfaces.report.diagnosis.words import page_of_words
 from octmip.trees.nodes.tree import Leaf, Split
 from tests.oracles.hostile_names import hostile_names
 from tests.oracles.page_check import check_page
-from tests.test_octmip.beam_twin import Beam, measured, own_effects
+from tests.test_octmip.beam_twin import Beam, effect, measured, own_effects
 
 TWIN = Beam()
 COMMISSIONING = measured(1000)
+WARM = effect("temperature_uniform", 10.0)
 TREE = Split(
     feature=0, threshold=640.0, left=Leaf(0), right=Split(feature=1, threshold=9e9, left=Leaf(1), right=Leaf(2))
 )
 
 
-def warm(state, load, time):
-    return np.full(20, -25.0)
-
-
 def diagnosed(**settings):
-    return diagnose(measured(3, change=warm, **settings), TWIN, None, COMMISSIONING, TREE, TWIN.gauges)
+    return diagnose(measured(3, change=WARM, **settings), TWIN, None, COMMISSIONING, TREE, TWIN.gauges)
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +61,14 @@ def test_the_page_says_what_an_effect_means_and_what_closed(diagnoses):
     assert as_object(diagnoses["one load"])["shrinkage"]["closed"] is None
     assert "T1: mu1 0.0" in page_of_words(diagnoses["unknown state"])
     assert "Detectable sizes" in page_of_words(diagnoses["sound"])
+
+
+def test_the_json_object_has_its_stable_keys_and_is_json(diagnoses):
+    found = json.loads(json.dumps(as_object(diagnoses["known"]), allow_nan=False))
+    keys = {"where", "which", "ambiguity", "parameters", "unknown_probability", "noise", "shrinkage", "next_test"}
+    assert keys <= set(found)
+    assert found["which"][0]["effects"] == ["temperature_uniform"]
+    assert (found["kind"], found["parameters"][0]["unit"]) == ("cause", "K")
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -119,7 +125,7 @@ def hostile():
     worse = ["<img src=x onerror=window.__pwned=1>", "</pre><script>alert(1)</script>", *drawn[:3]]
     effects = [dataclasses.replace(e, name=n) for e, n in zip(own_effects().values(), worse, strict=True)]
     twin = Beam(gauges=tuple(names), effects={effect.name: effect for effect in effects})
-    campaign = measured(3, change=warm)
+    campaign = measured(3, change=WARM)
     tests = tuple("<script>window.__pwned=1</script>\x1b[2J" for _ in campaign.test)
     campaign = dataclasses.replace(campaign, gauges=twin.gauges, test=tests)
     return diagnose(campaign, twin, tree=TREE, feature_names=twin.gauges, noise_sd=5.0), names
@@ -162,7 +168,7 @@ def _lines(diagnosis):
 
 def test_what_is_predicted_is_drawn_where_each_test_has_one_load(diagnoses):
     """One point was a line of no length."""
-    campaign = measured(3, change=warm)
+    campaign = measured(3, change=WARM)
     named = dataclasses.replace(campaign, test=tuple(f"at {load:g}" for load in campaign.load_factor))
     lines = _lines(diagnose(named, TWIN, None, COMMISSIONING))
     assert {len(line) for line in lines} == {len(set(campaign.load_factor))}

@@ -13,7 +13,7 @@ from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.campaign.spectrum import coefficients, fit, inflation_of
 from octmip.gap.channels.checks import noise_of_run
 from octmip.interfaces.report.diagnosis.words import noise_lines
-from tests.test_octmip.beam_twin import ETA, SD, Beam, measured, remembering, serial
+from tests.test_octmip.beam_twin import ETA, SD, Beam, effect, measured, remembering, serial
 
 TWIN = Beam()
 STEP = 0.022
@@ -171,8 +171,7 @@ def test_a_calm_run_beside_a_campaign_that_wanders():
 
 
 def test_an_effect_is_found_beside_a_walk():
-    gain = 0.08 * (np.arange(20) == 4)
-    high = lambda state, load, time: gain * TWIN.predict(state, load)  # noqa: E731
+    high = effect("gauge_gain", 8.0, "g05")
     diagnosis = diagnose(measured(14, high, noise=walking()), TWIN, commissioning=measured(1014, noise=walking()))
     first = diagnosis.which[0]
     assert first.effects == ("gauge_gain",)
