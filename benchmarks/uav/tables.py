@@ -12,7 +12,7 @@ METHOD_NAMES = {
     "exact": "exact branch and bound",
     "oct": "OCT (HiGHS)",
     "benders": "Benders on HiGHS",
-    "flow": "OCT strengthened (HiGHS)",
+    "flow": "strengthened (HiGHS)",
     "oct_h": "OCT-H (HiGHS)",
 }
 HEADER = (
@@ -30,9 +30,10 @@ def text_of(outcomes: Sequence[Outcome], answers: Sequence[str]) -> str:
         f"Data: {first['data']}. Labels in percent loss of stiffness; errors are misclassified training samples; MAE "
         "in percent stiffness. The Bayes limit is the least MAE of any classifier with these gauges and this noise: a "
         "training MAE below it is overfitting. Every row was certified; seed "
-        f"{first['seed']}, one thread per row. Tasks: axis-aligned splits; splits over two features; at most two of "
-        f"the gauges; risk, where samples over {CRITICAL_PERCENT} % loss weigh {CRITICAL_WEIGHT:g}. The cost is what a "
-        "method minimises and what its bound speaks of; a row that stops at its limit (last column) shows its gap.",
+        f"{first['seed']}, one thread per row. Tasks: axis-aligned splits; splits over two, three or all features; at "
+        f"most two of the gauges; risk, where samples over {CRITICAL_PERCENT} % loss weigh {CRITICAL_WEIGHT:g}. The "
+        "cost is what a method minimises and what its bound speaks of; a row that stops at its limit (last column) "
+        "shows its gap.",
         "",
         *(f"* {answer}" for answer in answers),
         "",

@@ -12,6 +12,7 @@ oct       Bertsimas & Dunn's OCT, HiGHS             CART or search       HiGHS
 oct_h     Bertsimas & Dunn's OCT-H, HiGHS           CART or search       HiGHS
 flow      the strengthened formulation, HiGHS       CART or search       HiGHS
 benders   Benders on HiGHS: axis-aligned trees      CART or search       HiGHS
+all       where a tree has fewer leaves than there are classes, or splits have a price: what that costs any tree
 auto      exact for axis-aligned trees where it knows all that is asked, else search; search for hyperplanes (whose
           proofs end in time for few features only)
 """
@@ -33,8 +34,8 @@ from octmip.trees.nodes.tree import Node
 from octmip.trees.question.problem import Problem
 from octmip.trees.regression.ordered import freed, in_order
 from octmip.trees.runs.drawn_rows import setup_seconds, tree_of_drawn_rows
-from octmip.trees.runs.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chosen_method, solvers_of
-from octmip.trees.runs.solver_call import Call, options_for, pause_of, quiet
+from octmip.trees.runs.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chosen_method, pauses, solvers_of
+from octmip.trees.runs.solver_call import Call, Pause, options_for, quiet
 
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
 SEARCH_SHARE, FIRST_RESTARTS = 0.2, 4  # few restarts: after the first ones a proof gains more from the time
@@ -310,16 +311,16 @@ def _result(call: Call, name: str, first: Solution | None) -> Solution:
             return first
     if first is not None and call.run.limits.remaining(call.start).seconds < setup:
         return replace(first, stop=Stop.TIME if first.stop is Stop.FINISHED else first.stop)
-    pause = None if is_given else pause_of(call, name, first)
+    pause = Pause(call, first) if not is_given and pauses(call.problem, name) else None
     proof = call if pause is None else replace(call, run=replace(call.run, progress=pause))
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
-    solution = checked_solution(call.problem, _solved(proof, name, first, 1.0 if pause is None else pause.proof_share))
+    solution = checked_solution(call.problem, _solved(proof, name, first))
     if pause is not None:
         if not pause.n_searches and solution.stop in {Stop.TIME, Stop.MEMORY}:
             if first is None and call.run.limits.remaining(call.start).seconds < 2 * setup:
                 pause.found = tree_of_drawn_rows(quiet(call))
             else:
-                pause.look()
+                pause.search()
         first = pause.found
     if not solvers_of(call.problem)[name].proves:
         return solution
@@ -365,10 +366,10 @@ def _first_tree(call: Call, name: str, tree: Node | None = None, share: float = 
     return call.solve("search", tree, share=share, options=options)
 
 
-def _solved(call: Call, name: str, first: Solution | None, share: float) -> Solution:
+def _solved(call: Call, name: str, first: Solution | None) -> Solution:
     """Return one solver's solution; a Ctrl-C that it did not see itself ends with the incumbent."""
     try:
-        return call.solve(name, first.tree if first else None, share=share, options=call.run.options)
+        return call.solve(name, first.tree if first else None, options=call.run.options)
     except KeyboardInterrupt:
         if first is None:
             raise

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from octmip import HyperplaneSplit, Leaf, Problem, Split, certify, predict
+from octmip import HyperplaneSplit, Leaf, Problem, Split, certify, predict, solve
 from octmip.errors import ProblemError
 from octmip.trees.answer.certificate import first_forbidden_split
 from octmip.trees.methods.exact import branch_and_bound
@@ -320,3 +320,35 @@ def test_a_table_is_read_in_blocks_of_rows(monkeypatch):
 def test_a_keyword_that_a_problem_does_not_take_is_named_with_the_one_that_is_meant(keyword, words):
     with pytest.raises(TypeError, match=words):
         Problem([[0.0], [1.0]], [0, 1], **{keyword: 3})
+
+
+@pytest.mark.parametrize(
+    ("asked", "bound"),
+    [
+        ({"depth": 1}, 5.0),  # of 9, 4, 3 and 2 samples two classes are named
+        ({"depth": 2}, 0.0),
+        ({"depth": 2, "max_splits": 2}, 2.0),
+        ({"depth": 2, "leaf_penalty": 2.5}, 7.0),  # three classes: 2 and two splits
+        ({"depth": 2, "leaf_penalty": 4.0}, 2.0 + 3.0 + 4.0),
+        ({"depth": 1, "weights": [3.0] * 9 + [1.0] * 9}, 5.0),
+        ({"depth": 1, "weights": [0.5] * 9 + [1.0] * 9}, 5.0 * (1 - 1e-12)),
+        (
+            {"depth": 1, "loss": ClassCosts([[0, 1, 1, 1], [1, 0, 1, 1], [3, 1, 0, 9], [2, 9, 1, 0]])},
+            6.0,
+        ),  # the first and the third
+        ({"depth": 1, "split": "hyperplane"}, 5.0),
+    ],
+)
+def test_a_tree_names_no_more_classes_than_it_has_leaves(asked, bound):
+    targets = np.repeat([0, 1, 2, 3], [9, 4, 3, 2])
+    problem = Problem(np.arange(18.0)[:, None] % 5, targets, **asked)
+    assert problem.bound_by_labels == pytest.approx(bound, rel=1e-11)
+    assert problem.bound_by_labels <= solve(problem.replace(split="axis")).objective
+
+
+def test_a_tree_that_meets_the_bound_of_its_labels_is_proven_whatever_found_it():
+    problem = Problem([[0.0, 1.0], [0.0, 1.1], [2.0, 1.0], [2.0, 1.1], [2.0, 1.2]], [0, 0, 1, 1, 2], depth=1)
+    for method in ("cart", "search", "oct_h"):
+        solution = solve(problem.replace(split="hyperplane"), method)
+        assert (solution.objective, solution.is_optimal) == (1.0, True)
+        assert "among" not in str(solution)

@@ -259,6 +259,24 @@ class Problem:
             return float(self.class_costs().min())
         return self.objective(self.best_leaf())
 
+    @property
+    def bound_by_labels(self) -> float:
+        """What trees cost at least because they name no more classes than they have leaves; 0 where that says nothing.
+
+        Rounded down, and true of splits of either kind, whatever else is asked for. Example: of five classes with 350
+        samples each a tree of depth 1 has two leaves, and errs on 1,050 samples or more.
+        """
+        shape, k = self.shape, len(self.samples.class_names)
+        n_leaves = min(1 << min(shape.depth, 40), (shape.max_splits or math.inf) + 1, k)
+        is_told = self.loss.predicts == "class" and not self.has_sample_costs
+        if not is_told or (n_leaves == k and not shape.leaf_penalty):
+            return 0.0
+        least = self._class_costs.least_of_labels(self.samples.weights, self.samples.codes, int(n_leaves))
+        bound = min(cost + shape.leaf_penalty * n for n, cost in enumerate(least))
+        is_exact = self.has_integer_costs and bound < 2**53
+        rounding = 0.0 if is_exact else 4 * (self.samples.n_samples + k) * math.ulp(1.0)
+        return max(0.0, bound * (1.0 - rounding))
+
     def class_costs(self, rows: NDArray[np.int64] | None = None) -> NDArray[np.float64]:
         """Return the cost of predicting each class for all the samples (or those of `rows`), shape (n_classes,)."""
         of_rows = self.cost_rows if rows is None else self.cost_rows[rows]

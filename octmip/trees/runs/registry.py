@@ -266,6 +266,12 @@ REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
 enters this table by its line in `octmip.trees.question.losses.NUMBER_LOSSES`."""
 
 
+def pauses(problem: Problem, method: str) -> bool:
+    """Whether a method proves by the exact core of axis-aligned trees, and a search knows all that is asked for."""
+    solvers = solvers_of(problem)
+    return solvers[method] in (EXACT, SHAPED, NUMBERS) and solvers["search"].refusal(problem) is None
+
+
 def refuse_unknown(problem: Problem, call: str) -> None:
     """Check that a problem asks for nothing that a call beside a solve does not know.
 

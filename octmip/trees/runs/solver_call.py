@@ -8,14 +8,13 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from octmip.trees.answer.solution import Progress, ProgressCallback, Solution
+from octmip.trees.answer.solution import Progress, Solution, Stop
 from octmip.trees.methods.options import NO_OPTIONS, OPTIONS, Options, SearchOptions
 from octmip.trees.methods.pruning import fitting
 from octmip.trees.nodes.tree import Node
 from octmip.trees.question.problem import Problem
-from octmip.trees.runs.registry import EXACT, NUMBERS, SHAPED, Run, solvers_of, taker
+from octmip.trees.runs.registry import Run, solvers_of, taker
 
-PAUSING = (EXACT, SHAPED, NUMBERS)
 SOON, LATE = 0.15, 0.8
 """Shares of the time limit after which a proof may pause: of "auto", and of a method that is asked for a proof."""
 RESERVE = 1.0
@@ -53,6 +52,8 @@ class Call:
     ) -> Solution:
         """Return the solution of one solver within `share` of the seconds that are left."""
         run, spent = self.run, time.perf_counter() - self.start
+        if isinstance(run.progress, Pause) and run.limits.seconds > 0:
+            share *= max(LATE, 1.0 - RESERVE / run.limits.seconds)
         solution = solvers_of(self.problem)[name].load()(
             self.problem,
             limits=replace(run.limits, seconds=share * max(0.0, run.limits.seconds - spent)),
@@ -62,7 +63,17 @@ class Call:
             progress=self._shifted_progress(spent),
             options=options_for(self.problem, name, options),
         )
-        return fitting(self.problem, solution) if self.problem.shape.is_shaped else solution
+        return self._bounded(fitting(self.problem, solution) if self.problem.shape.is_shaped else solution)
+
+    def _bounded(self, solution: Solution) -> Solution:
+        """Return a solution with the bound by labels, which is about all trees, where its own is no higher."""
+        if solution.stop is Stop.OPTIMAL and "scope" not in solution.details:
+            return solution
+        bound = self.problem.bound_by_labels
+        if bound == 0 or bound < solution.bound:
+            return solution
+        details = {name: value for name, value in solution.details.items() if name != "scope"}
+        return replace(solution, details={**details, "bound_by": "more classes than leaves"}).with_bound(bound)
 
     def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
         progress = self.run.progress
@@ -75,26 +86,20 @@ class Pause:
 
     Attributes
     ----------
-    search
-        the search of a number, from a tree, which takes no more than the time that is left.
-    seconds
-        the time limit, by the clock of the states.
-    due
-        seconds before which there is no pause.
-    shown
-        is shown the states, with the cost of the best tree.
+    call
+        the call that the proof belongs to.
     found
         the best tree that is known.
     n_searches
         that were made.
+    due
+        seconds, by the clock of the states, before which there is no further pause.
     """
 
-    search: Callable[[int, Solution | None], Solution]
-    seconds: float
-    due: float
-    shown: ProgressCallback | None
+    call: Call
     found: Solution | None
     n_searches: int = 0
+    due: float = 0.0
 
     def __call__(self, state: Progress) -> None:
         """Show a state, and search if its bound is a smaller share of the tree than the time spent is of the limit.
@@ -102,40 +107,23 @@ class Pause:
         A bound that rises as fast as the clock will meet the tree in time. Between two searches the proof has as long
         as the first of them had.
         """
+        run = self.call.run
         objective = state.objective if self.found is None else min(state.objective, self.found.objective)
-        if self.shown is not None:
-            self.shown(replace(state, objective=objective))
-        if state.seconds >= self.due and state.bound * self.seconds < state.seconds * objective:
-            self.due = state.seconds + 2 * self.look()
+        if run.progress is not None:
+            run.progress(replace(state, objective=objective))
+        soonest = max(self.due, (SOON if run.method == "auto" else LATE) * run.limits.seconds)
+        if state.seconds >= soonest and state.bound * run.limits.seconds < state.seconds * objective:
+            self.search()
+            self.due = state.seconds + 2 * (0.0 if self.found is None else self.found.seconds)
 
-    def look(self) -> float:
-        """Search, and return the seconds that it took."""
-        found = self.search(self.n_searches, self.found)
+    def search(self) -> None:
+        """Search within the time that is left. Restarts that were made are not made again."""
+        known, seed = self.found, self.call.run.seed
+        seed = seed if known is None else seed ^ (self.n_searches + 1) * LATER
+        silent = replace(self.call, run=replace(self.call.run, progress=None, seed=seed))
+        # By no cluster: its processes are the proof's.
+        self.found = silent.solve("search", None if known is None else known.tree, options=SearchOptions())
         self.n_searches += 1
-        self.found = found
-        return found.seconds
-
-    @property
-    def proof_share(self) -> float:
-        """Share of the time that is the proof's."""
-        return max(LATE, 1.0 - RESERVE / self.seconds) if self.seconds else LATE
-
-
-def pause_of(call: Call, name: str, first: Solution | None) -> Pause | None:
-    """Return the pause of an exact proof that starts from a tree, or from none; None where nothing can be searched."""
-    solvers = solvers_of(call.problem)
-    if solvers[name] not in PAUSING or solvers["search"].refusal(call.problem) is not None:
-        return None
-    limit = call.run.limits.seconds
-
-    def search(number: int, known: Solution | None) -> Solution:
-        # Restarts that were made are not made again. By no cluster: its processes are the proof's.
-        seed = call.run.seed if known is None else call.run.seed ^ (number + 1) * LATER
-        silent = replace(call, run=replace(call.run, progress=None, seed=seed))
-        return silent.solve("search", None if known is None else known.tree, options=SearchOptions())
-
-    due = (SOON if call.run.method == "auto" else LATE) * limit
-    return Pause(search, limit, due, call.run.progress, first)
 
 
 def quiet(call: Call) -> Call:

@@ -4,6 +4,7 @@
 equals.
 """
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -21,6 +22,8 @@ from octmip.trees.question.problem_values import numbers_of
 
 SAMPLE_COSTS = "sample costs"
 """Name of costs of single samples in files."""
+MOST_SETS = 20_000
+"""Sets of labels that are gone through one by one."""
 LEAST_COST, MOST_COST = 1e-280, 1e303  # of the worst tree
 
 
@@ -133,6 +136,23 @@ class ClassCosts(Loss):
         """Return the cost of predicting each class for all of some samples, shape (n_classes,)."""
         costs: Floats = np.bincount(codes, weights, len(self.matrix)) @ self.matrix
         return costs
+
+    def least_of_labels(self, weights: Floats, codes: NDArray[Any], most: int) -> list[float]:
+        """Return what samples cost at least where no more than 1, 2, ... `most` classes are predicted for them.
+
+        Where a mistake costs more for one label than for another, and sets of labels are many, it is 0.
+        """
+        k = len(self.matrix)
+        costs = np.bincount(codes, weights, k)[:, None] * self.matrix
+        most, own = min(most, k), np.eye(k, dtype=bool)
+        beside = np.where(own, -np.inf, costs).max(axis=1)
+        if np.array_equal(costs, np.where(own, 0.0, beside[:, None])):
+            by_worth = np.sort(beside)
+            return [float(by_worth[: k - n].sum()) for n in range(1, most + 1)]
+        if sum(math.comb(k, n) for n in range(1, most + 1)) > MOST_SETS:
+            return [0.0] * most
+        sets = [itertools.combinations(range(k), n) for n in range(1, most + 1)]
+        return [min(float(costs[:, labels].min(axis=1).sum()) for labels in of_size) for of_size in sets]
 
     def least_saving(self, weights: Floats, rows: NDArray[np.int64]) -> float:
         """Return the least cost that the best label of one sample saves; +inf if none saves any.
