@@ -13,7 +13,7 @@ export PYTHONDONTWRITEBYTECODE :=
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
 
-# The page of one mission; every table of docs/mission.md: make mission ARGS="--policies"
+# The tables of docs/results/mission.md: make mission ARGS="--policies --watch 100 --lives 1000"
 mission: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav.mission $(if $(STRAINS),--strains $(STRAINS) --out results/uav/mission/published) $(ARGS)
 

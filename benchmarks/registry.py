@@ -49,8 +49,9 @@ FAMILIES = {
     # The tests and the sources: wrong code that tests must find, and how far a reader walks (docs/developing.md)
     "mutants": "benchmarks.mutants.study",
     "walk": "benchmarks.source_map.walk",
-    # Shells against standard problems: docs/results/shells.md. Noise of a campaign: docs/gap/noise.md
+    # Shells: docs/results/shells.md. Meshes of the wing: docs/wing.md. Noise of a campaign: docs/gap/noise.md
     "fem_shells": "benchmarks.cases.fem.shells",
+    "capability_meshes": "benchmarks.cases.fem.capability",
     "gap_noise": "benchmarks.cases.gap.noise",
 }
 

@@ -11,7 +11,7 @@ from tests.installed import Installed, installed, shared_folder
 
 LONG = (
     *("test_installed", "test_site", "test_blind", "test_examples", "test_tutorial", "test_uav_study"),
-    *("test_fuzz_everything", "test_cluster", "test_gap_units", "test_gap_diagnosis"),
+    *("test_fuzz_everything", "test_cli_signals", "test_doors", "test_cluster"),
 )
 """The longest files: begun first, so that no process is left alone with one at the end."""
 

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 import tarfile
-import tomllib
 import zipfile
 
 import pytest
@@ -28,13 +27,6 @@ def test_the_source_distribution_holds_every_source_and_nothing_built(tmp_path_f
     assert wanted <= held, wanted - held
     strangers = held - tracked()
     assert strangers == {"PKG-INFO"}, strangers
-
-
-def test_the_wheel_leaves_the_native_sources_out_and_the_source_distribution_does_not():
-    rules = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["maturin"]["exclude"]
-    by_format = {form: {rule["path"] for rule in rules if rule["format"] == form} for form in ("wheel", "sdist")}
-    assert "octmip/trees/native/**/*" in by_format["wheel"]
-    assert by_format["sdist"] == {"octmip/trees/native/Cargo.lock"}
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import importlib.util
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,7 @@ def commands(text: str) -> list[str]:
     return [*MODULE.findall(text), *named, *re.findall(r"(?<=`)make \w+|commit `[0-9a-f]{8}", text)]
 
 
+@cache
 def places() -> dict[str, list[str]]:
     """Return, for each data file, the sections that link to it."""
     found: dict[str, list[str]] = {file: [] for file in FILES}

@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,7 @@ BANNED = re.compile(
 """Phrases that name no subject, or make a person of a thing."""
 
 
+@cache
 def prose_of(text: str) -> list[tuple[int, str]]:
     """Return number and text of the lines of a page outside code and formulas on lines of their own."""
     lines, fence = [], ""
@@ -64,6 +66,7 @@ def banned_phrases(text: str) -> list[str]:
     return [f"{number}: {line}" for number, line in prose_of(text) if BANNED.search(line)]
 
 
+@cache
 def sentences(text: str) -> list[str]:
     """Return the sentences of a page without headings and tables, code in them as one word."""
     parts = []

@@ -31,7 +31,7 @@ def parsed(code: str) -> ast.Module:
 
 def frozen_classes(code: str) -> Iterator[ast.ClassDef]:
     """Yield the dataclasses of a module that say they are frozen."""
-    for node in ast.walk(parsed(code)):
+    for node in ast.walk(parsed(code)) if "frozen=True" in code else ():
         decorators = node.decorator_list if isinstance(node, ast.ClassDef) else []
         for call in (d for d in decorators if isinstance(d, ast.Call)):
             words = {keyword.arg: keyword.value for keyword in call.keywords}

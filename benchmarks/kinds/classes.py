@@ -18,6 +18,7 @@ from octmip.trees.methods.options import NO_OPTIONS, ExactOptions
 from octmip.trees.question.losses import ClassCosts
 from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
+from tests.oracles.planes import least_cost_of_planes, random_planes
 from tests.oracles.rational import cost_of, least_cost
 from tests.oracles.strategies import random_problem, with_missing
 from tests.oracles.two_feature_problems import random_two_feature_problem
@@ -174,6 +175,15 @@ class AnyDepthClasses(Classes):
         return least_cost(problem.replace(depth=max(1, problem.samples.n_samples - 1)))
 
 
+@dataclass(frozen=True, slots=True)
+class Planes(Classes):
+    """Trees of hyperplanes over all of up to four features."""
+
+    def truth(self, problem: Problem) -> Fraction:
+        """Return the least cost of any tree, separated by a margin or not."""
+        return least_cost_of_planes(problem)
+
+
 AXIS = {"exact": 1.0, "search": 0.6, "cart": 0.3, "oct": 0.12, "flow": 0.12, "benders": 0.3}
 HYPERPLANE = {"exact": 1.0, "search": 0.6, "oct_h": 0.15}
 """Share of the problems that each solver is asked: those on HiGHS take a hundred times as long as the others."""
@@ -186,6 +196,7 @@ SIZED_KIND = Classes(11, _sized, {"exact": 1.0, "search": 0.3, "cart": 0.3}, 0.3
 LINES_KIND = Classes(13, _lines, {"exact": 1.0}, 0.1)
 TWO_FEATURES = {"exact": 1.0, "search": 0.3, "flow": 0.05, "oct_h": 0.05}
 TWO_FEATURE_KIND = Classes(60, _two_features, TWO_FEATURES, 0.4, is_proven=True)
+PLANES_KIND = Planes(67, random_planes, {"search": 1.0, "oct_h": 0.2, "flow": 0.2}, 0.1, ())
 FEW_SPLITS_KIND = Classes(17, _few_splits, {"oct": 0.5, "flow": 0.5}, 0.1, ())
 LARGE_LEAVES_KIND = Classes(61, _large_leaves, {"exact": 1.0, "search": 0.2, "cart": 0.1}, 0.5)
 SPARSE_KIND = AnyDepthClasses(23, _sparse, {"exact": 1.0, "search": 0.2, "cart": 0.1}, 0.3, ())

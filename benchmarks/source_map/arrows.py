@@ -7,6 +7,7 @@ file of a package (`__init__.py`) or of a Rust module with children (`node.rs`, 
 import ast
 import re
 from collections.abc import Iterator, Mapping
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -32,7 +33,7 @@ def python_arrows(packages: tuple[str, ...] = PACKAGES, root: Path = ROOT) -> Ar
     files = {name: file for name, file in files.items() if "native.target" not in name}
     known = {*files, NATIVE}
     found = {
-        name: frozenset(_known(used, known) for used in _named(file.read_text())) - {name, ""}
+        name: frozenset(_known(used, known) for part in _names(file.read_text()) for used in part) - {name, ""}
         for name, file in files.items()
     }
     return {**found, NATIVE: frozenset()}
@@ -60,20 +61,23 @@ def _module(file: Path) -> str:
     return ".".join(file.with_suffix("").parts).removesuffix(".__init__")
 
 
-def imports(code: str) -> Iterator[str]:
-    """Yield the full dotted name of everything that a module imports, wherever in it."""
+def imports(code: str) -> tuple[str, ...]:
+    """Return the full dotted name of everything that a module imports, wherever in it."""
+    return _names(code)[0]
+
+
+@cache
+def _names(code: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return what a module imports, and what it names as a module in a string."""
+    imported, named = [], []
     for node in ast.walk(ast.parse(code)):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            imported += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            yield from (f"{'.' * node.level}{node.module or ''}.{alias.name}" for alias in node.names)
-
-
-def _named(code: str) -> Iterator[str]:
-    """Yield what a module imports, or names as a module in a string."""
-    yield from imports(code)
-    texts = (node.value for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Constant))
-    yield from (text for text in texts if isinstance(text, str) and _MODULE.fullmatch(text))
+            imported += [f"{'.' * node.level}{node.module or ''}.{alias.name}" for alias in node.names]
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and _MODULE.fullmatch(node.value):
+            named.append(node.value)
+    return tuple(imported), tuple(named)
 
 
 def _known(dotted: str, known: set[str]) -> str:

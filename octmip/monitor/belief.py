@@ -37,6 +37,11 @@ class Belief:
         """Probability (n, n_states) of every state."""
         return np.asarray(self.weights.sum(axis=1))
 
+    @property
+    def rates(self) -> Floats:
+        """Probability (n, n_rates) of every growth rate."""
+        return np.asarray(self.weights.sum(axis=2))
+
     def _axis(self, parameter: str) -> tuple[int, Floats, NDArray[np.int64]]:
         if parameter not in self.library.parameters:
             raise ProblemError(f"the library has no parameter {parameter!r}; expected one of {self.library.parameters}")

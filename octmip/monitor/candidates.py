@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.monitor.library import DEFAULT_LEVELS, Library
+from octmip.monitor.library import Library, default_levels
 from octmip.twin import Effect, Twin, predict_states, state_limits_of, state_parameters
 
 Floats = NDArray[np.float64]
@@ -88,7 +88,7 @@ def state_candidates(twin: Twin, library: Library) -> tuple[Candidate, ...]:
     names = state_parameters(twin)
     load, factor = library.asked_at
     columns = [twin.gauges.index(gauge) for gauge in library.gauges]
-    rows = [(k, level * limit) for k, limit in enumerate(state_limits_of(twin)) for level in DEFAULT_LEVELS[1:]]
+    rows = [(k, level) for k, limit in enumerate(state_limits_of(twin)) for level in default_levels(limit)[1:]]
     rows = [(k, level) for k, level in rows if level > 0.0 and names[k] not in library.parameters]
     states = np.zeros((len(rows) + 1, len(names)))
     for row, (k, level) in enumerate(rows, start=1):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.monitor.belief import Belief
-from octmip.monitor.growth import Growth
+from octmip.monitor.growth import Growth, probabilities
 from octmip.monitor.leaf_likelihood import check_readings
 from octmip.monitor.library import Applied, Library
 
@@ -63,14 +63,18 @@ class Filter:
         """The states."""
         return self.likelihood.library
 
-    def start(self, n: int = 1, state: int | None = None) -> Belief:
-        """Return the belief about n assets before any reading: in one state or in any, at any growth rate."""
+    def start(self, n: int = 1, state: int | None = None, rates: Floats | None = None) -> Belief:
+        """Return the belief about n assets before any reading: in one state or in any.
+
+        `rates` (n_rates,): probability of every growth rate, such as `learnt_rates` gives; None: all alike.
+        """
         share = np.full(self.library.n_states, 1.0 / self.library.n_states)
         if state is not None:
             share = np.zeros(self.library.n_states)
             share[state] = 1.0
         n_rates = self.growth.n_rates
-        return Belief(self.library, np.broadcast_to(share / n_rates, (n, n_rates, self.library.n_states)))
+        chances = np.full(n_rates, 1.0 / n_rates) if rates is None else probabilities(rates, "rates", 1, n_rates)
+        return Belief(self.library, np.broadcast_to(np.outer(chances, share), (n, n_rates, self.library.n_states)))
 
     def advance(self, belief: Belief, n_steps: int = 1) -> Belief:
         """Return the belief `n_steps` later without a reading."""
@@ -109,3 +113,16 @@ class Filter:
     def step(self, belief: Belief, readings: Floats, load_factor: Applied | Floats, n_steps: int = 1) -> Belief:
         """Return the belief `n_steps` later, after readings: `advance`, then `observe`."""
         return self.observe(self.advance(belief, n_steps), readings, load_factor)
+
+
+def learnt_rates(rates: Floats, flights: Belief, weight: float = 1.0) -> Floats:
+    """Return the probability (n_rates,) of every growth rate after flights, for `Filter.start` of the next ones.
+
+    Parameters
+    ----------
+    rates
+        (n_rates,) that the flights began with; it counts as `weight` flights.
+    flights
+        the belief about each at its end.
+    """
+    return np.asarray((weight * rates + flights.rates.sum(axis=0)) / (weight + len(flights.weights)))

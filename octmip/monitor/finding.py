@@ -15,6 +15,10 @@ Floats = NDArray[np.float64]
 
 RATE = 0.01
 """Chance that any gauge is named although it agrees (Bonferroni over the gauges)."""
+MARGIN = 6.0
+"""Chi-squared by which damage must explain a residual better than one gauge alone: odds of 20."""
+MOST_FAILED = 3
+"""Gauges that may have failed when the first is named."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,10 +53,11 @@ class Finding:
     name
         the gauge or place; "" if unknown.
     probability
-        of this kind and name among all hypotheses; of "unknown" where the size of a gauge's fault is none of the
-        candidate's and the gauge was found by elimination.
+        of this kind and name among all hypotheses; of "unknown" where a gauge was found by elimination.
     gauges
         names of those whose mean residual cannot be noise, farthest off first.
+    together
+        names of those that began to disagree at one reading, as damage near them makes them; () if none were found.
     since
         reading from which the residuals have been off, as far as that can be told.
     proposal
@@ -71,11 +76,25 @@ class Finding:
     proposal: Proposal | None
     words: str
     ranking: tuple[tuple[str, str, float], ...] = ()
+    together: tuple[str, ...] = ()
 
 
-def explain(watch: Watch, monitor_state: MonitorState, row: int = 0, state: int = 0) -> Finding:
-    """Return the finding on one asset; `state`: index of the library's state that the asset was taken to be in."""
+def explain(
+    watch: Watch, monitor_state: MonitorState, row: int = 0, state: int = 0, together: tuple[str, ...] = ()
+) -> Finding:
+    """Return the finding on one asset.
+
+    Parameters
+    ----------
+    state
+        index of the library's state that the asset was taken to be in.
+    together
+        gauges that began to disagree at one reading (`Series`): then none of them is faulty.
+    """
     logs = watch.log_parts(monitor_state)[row, :-1]
+    if together:
+        is_gauge = np.array([candidate.kind == "gauge" for candidate, _ in watch.hypotheses] + [False])
+        logs = np.where(is_gauge, -np.inf, logs)
     share = np.exp(logs - logsumexp(logs))
     by_name: dict[tuple[str, str], float] = {}
     for (candidate, _), part in zip(watch.hypotheses, share, strict=False):
@@ -84,19 +103,18 @@ def explain(watch: Watch, monitor_state: MonitorState, row: int = 0, state: int 
     by_name[("unknown", "")] = float(share[-1])
     (kind, name), probability = max(by_name.items(), key=lambda item: item[1])
     window, gauges = _disagreeing(watch, monitor_state, row)
-    if kind == "unknown" and (lone := _lone_gauge(watch, monitor_state, row, window)):
-        kind, name = "gauge", lone
+    named = _best(watch, logs, kind, name)
+    if kind != "gauge" and not together and (failed := _failed_gauge(watch, monitor_state, row, window, named)):
+        kind, name, named = "gauge", failed, _best(watch, logs, "gauge", failed)
     since = window * watch.horizon // monitor_state.sums.shape[1]
-    own = [k for k, (candidate, _) in enumerate(watch.hypotheses) if (candidate.kind, candidate.name) == (kind, name)]
-    named = watch.hypotheses[max(own, key=lambda k: logs[k])][0] if own else None
     proposal, hint = None, ""
     if named is None:
         proposal, hint = _unknown(watch, monitor_state, row, state, window), _nearest(watch, monitor_state, row, window)
     elif kind != "gauge":
         proposal = _proposed(watch, monitor_state, row, state, named)
-    words = _words(kind, name, probability, gauges, proposal, hint)
+    words = _words(kind, name, probability, gauges, together, proposal, hint)
     ranking = tuple((*key, part) for key, part in sorted(by_name.items(), key=lambda item: -item[1]))
-    return Finding(kind, name, probability, gauges, since, proposal, words, ranking)
+    return Finding(kind, name, probability, gauges, since, proposal, words, ranking, together)
 
 
 def _disagreeing(watch: Watch, monitor_state: MonitorState, row: int) -> tuple[int, tuple[str, ...]]:
@@ -111,15 +129,37 @@ def _disagreeing(watch: Watch, monitor_state: MonitorState, row: int) -> tuple[i
     return window, tuple(watch.library.gauges[g] for g in order if abs(z[window, g]) > limit)
 
 
-def _lone_gauge(watch: Watch, monitor_state: MonitorState, row: int, window: int) -> str:
-    """Return the gauge without which the mean residual is noise, "" if there is none: faults may have any size."""
-    every = np.ones(len(watch.library.gauges), dtype=bool)
-    spread = np.maximum(np.diag(watch.parity.projector(every)), 1e-12)
+def _best(watch: Watch, logs: Floats, kind: str, name: str) -> Candidate | None:
+    """Return the candidate of a kind and name at its most probable size; None of the unknown."""
+    own = [k for k, (candidate, _) in enumerate(watch.hypotheses) if (candidate.kind, candidate.name) == (kind, name)]
+    return watch.hypotheses[max(own, key=lambda k: logs[k])][0] if own else None
+
+
+def _failed_gauge(watch: Watch, monitor_state: MonitorState, row: int, window: int, named: Candidate | None) -> str:
+    """Return the worst of a few gauges without which the mean residual is noise, "" if there are none.
+
+    Faults may have any size, and two gauges may fail before the first is named. Neighbours are damage, not faults.
+    Where the candidate that is `named` leaves noise, one gauge must leave hardly more.
+    """
     mean = monitor_state.sums[row, window] / np.sqrt(max(float(monitor_state.counts[row, window]), 1.0))
-    without = float(mean @ mean) - mean**2 / spread
-    lone = int(np.argmin(without))
-    is_noise = chi2.sf(float(without[lone]), watch.parity.degrees(every) - 1) > RATE
-    return watch.library.gauges[lone] if is_noise else ""
+    known, failed, left, most = mean != 0.0, list[int](), np.inf, MOST_FAILED
+    if named is not None:
+        along = named.signature / watch.library.noise_sd @ watch.parity.projector(known)
+        left = float(mean @ mean - (mean @ along) ** 2 / (along @ along))
+        fits = chi2.sf(left, watch.parity.degrees(known) - 1) > RATE
+        left, most = (left + MARGIN, 1) if fits else (np.inf, MOST_FAILED)
+    while len(failed) < most and known.sum() > 1:
+        projector = watch.parity.projector(known)
+        rest = np.where(known, mean, 0.0) @ projector
+        without = np.where(known, rest @ rest - rest**2 / np.maximum(np.diag(projector), 1e-12), np.inf)
+        worst = int(np.argmin(without))
+        if watch.neighbours[worst, failed].any():
+            return ""
+        failed.append(worst)
+        if without[worst] < left and chi2.sf(float(without[worst]), watch.parity.degrees(known) - 1) > RATE:
+            return watch.library.gauges[failed[0]]
+        known[worst] = False
+    return ""
 
 
 def _proposed(watch: Watch, monitor_state: MonitorState, row: int, state: int, candidate: Candidate) -> Proposal:
@@ -163,7 +203,13 @@ def _nearest(watch: Watch, monitor_state: MonitorState, row: int, window: int) -
 
 
 def _words(
-    kind: str, name: str, probability: float, gauges: tuple[str, ...], proposal: Proposal | None, hint: str
+    kind: str,
+    name: str,
+    probability: float,
+    gauges: tuple[str, ...],
+    together: tuple[str, ...],
+    proposal: Proposal | None,
+    hint: str,
 ) -> str:
     off = "The readings fit no state"
     if gauges:
@@ -171,7 +217,12 @@ def _words(
         off = f"{verb.format(', '.join(gauges[:4]))} with every state"
     if kind == "gauge":
         sure = f"{100 * probability:.0f} %"
-        return f"{off}; most likely gauge {name} is faulty ({sure}). Inspect it; it is left out meanwhile."
+        return (
+            f"{off}; most likely gauge {name} is faulty ({sure}), or the structure is damaged at this gauge alone. "
+            "Inspect both; it is left out meanwhile."
+        )
+    if together:
+        off = f"Gauges {', '.join(together)} began to disagree together, as damage near them does and faults do not"
     if kind == "unknown" or proposal is None:
         like = f"; {hint} would look most like it" if hint else ""
         return f"{off}, in a way that no candidate explains{like}. Inspect the structure around them."

@@ -42,8 +42,8 @@ class Growth:
     def __post_init__(self) -> None:
         if isinstance(self.tables, np.ndarray):
             raise ProblemError("tables is one array; expected a tuple of them, one for each axis of the states")
-        object.__setattr__(self, "tables", tuple(_probabilities(table, "tables", 3) for table in self.tables))
-        object.__setattr__(self, "changes", _probabilities(self.changes, "changes", 2))
+        object.__setattr__(self, "tables", tuple(probabilities(table, "tables", 3) for table in self.tables))
+        object.__setattr__(self, "changes", probabilities(self.changes, "changes", 2))
         lengths = {len(table) for table in self.tables}
         if lengths != {len(self.changes)}:
             raise ProblemError(
@@ -78,10 +78,12 @@ class Growth:
         return np.asarray(self.changes.T @ moved if self.n_rates > 1 else moved)
 
 
-def _probabilities(values: Floats, name: str, n_axes: int) -> Floats:
+def probabilities(values: Floats, name: str, n_axes: int, length: int | None = None) -> Floats:
+    """Return probabilities, checked: a square of the last two axes, or of one axis as many as `length`."""
     table = np.array(values, dtype=np.float64)
-    if table.ndim != n_axes or table.shape[-1] != table.shape[-2]:
-        raise ProblemError(f"{name} has shape {table.shape}; expected {n_axes} axes, the last two a square")
+    if table.ndim != n_axes or table.shape[-1] != (length or table.shape[-2:][0]):
+        kind = f"{length} numbers" if length else f"{n_axes} axes, the last two a square"
+        raise ProblemError(f"{name} has shape {table.shape}; expected {kind}")
     if not (table >= 0).all() or not np.allclose(table.sum(axis=-1), 1.0):
         raise ProblemError(
             f"{name} has an entry of {table.min()} and rows that add up to {table.sum(axis=-1).min()} to "

@@ -23,8 +23,6 @@ Floats = NDArray[np.float64]
 Applied = float | Mapping[str, float]
 """What is applied to a reading: the load factor, or all loads by name."""
 
-DEFAULT_LEVELS = (0.0, 0.2, 0.4, 0.6, 0.8)
-"""Levels of a parameter for which none are given, over its limit."""
 RATIO = 1e-6
 """Relative rounding within which loads stand in a ratio, and readings are proportional to them."""
 
@@ -196,6 +194,11 @@ class Library:
             self.only_load,
             self.reference,
         )
+
+
+def default_levels(limit: float) -> list[float]:
+    """Return the levels of a parameter for which none are given, up to 80 % of its limit, in few digits."""
+    return [float(f"{level * limit:.12g}") for level in (0.0, 0.2, 0.4, 0.6, 0.8)]
 
 
 def grid_states(levels: Sequence[Sequence[float]]) -> Floats:

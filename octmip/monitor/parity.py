@@ -67,6 +67,13 @@ class Parity:
         """Return the degrees of freedom of the residual of the gauges at hand."""
         return round(float(np.trace(self.projector(is_known))))
 
+    def can_disagree(self, is_known: NDArray[np.bool_]) -> bool:
+        """Return whether the gauges at hand are enough that the states leave some direction free."""
+        try:
+            return self.degrees(is_known) > 0
+        except ProblemError:
+            return False
+
     def residuals(self, readings: Floats, load_factor: Applied, is_known: NDArray[np.bool_]) -> Floats:
         """Return e (n, n_gauges) of readings (n, n_gauges) that have the gauges at hand; 0 at the others."""
         library = self.library

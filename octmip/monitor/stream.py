@@ -11,19 +11,22 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from octmip.errors import DataError, OctmipError
 from octmip.input.messages import shown
 from octmip.input.named_arrays import by_name, numbers_in
 from octmip.monitor.belief import Belief
 from octmip.monitor.filter import Filter
-from octmip.monitor.finding import Finding, explain
+from octmip.monitor.finding import Finding
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Applied
 from octmip.monitor.selector import ModelSelector
+from octmip.monitor.series import Series
 from octmip.monitor.surprise import leaf_p_value
-from octmip.monitor.watch import MonitorState, Watch
+from octmip.monitor.watch import Watch
 
+Floats = NDArray[np.float64]
 Values = Sequence[float | None] | Mapping[str, float | None]
 Reading = tuple[Applied, Values]
 """Load factor or loads by name, and readings: by gauge name, or one for each gauge in the library's order."""
@@ -53,6 +56,8 @@ class Result:
         of the reading in the library; None without a watch.
     finding
         why the alarm was raised at this reading; None otherwise.
+    left_out
+        names of the gauges that the watch has found faulty so far.
     """
 
     number: int
@@ -61,6 +66,7 @@ class Result:
     leaf_p_value: float | None = None
     p_value: float | None = None
     finding: Finding | None = None
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,21 +119,23 @@ class Monitor:
     def run(self, readings: Iterable[Reading]) -> Iterator[Result | Refusal]:
         """Yield a result or a refusal for every reading, in their order."""
         belief = None if self.filter is None else self.filter.start(1, self.start_state)
-        monitor_state = None if self.watch is None else self.watch.start(1)
-        faulty: set[int] = set()  # gauges that the watch has named; they are done without from then on
+        series = None if self.watch is None else Series(self.watch)
         for number, reading in enumerate(readings):
             try:
                 load_factor, values = _parts(reading)
-                if belief is None and monitor_state is None:
+                if belief is None and series is None:
                     yield Result(number, self._select(self._row(values, False), load_factor))
                     continue
                 row = self._row(values, True)
-                row = [math.nan if k in faulty else value for k, value in enumerate(row)]
-                result, belief, monitor_state = self._step(number, row, load_factor, belief, monitor_state)
-                yield result
-                if result.finding is not None and result.finding.kind == "gauge" and self.watch is not None:
-                    faulty.add(self._index[result.finding.name])
-                    monitor_state = self.watch.start(1)
+                heard = row if series is None else series.without_faulty(row)
+                state = self._state(heard, load_factor)
+                leaf_p, p_value, finding, left_out = None, None, None, tuple[str, ...]()
+                if self.filter is not None and belief is not None:
+                    leaf_p, belief = self._believed(belief, np.array([heard]), load_factor)
+                if series is not None:
+                    finding = series.observe(np.array(row), load_factor, self._state_of_watch(state))
+                    p_value, left_out = series.p_value, series.left_out
+                yield Result(number, state, belief, leaf_p, p_value, finding, left_out)
             except OctmipError as error:
                 yield Refusal(number, str(error))
 
@@ -166,34 +174,22 @@ class Monitor:
         load = self.selector.library.checked_load(load_factor)
         return self.selector.compiled.label([value / load for value in row])
 
-    def _step(
-        self,
-        number: int,
-        row: list[float],
-        load_factor: Applied,
-        belief: Belief | None,
-        monitor_state: MonitorState | None,
-    ) -> tuple[Result, Belief | None, MonitorState | None]:
+    def _state(self, row: list[float], load_factor: Applied) -> int | None:
+        """Return the selected state; None where a missing gauge leaves it open."""
         try:
-            state: int | None = self._select(row, load_factor)
+            return self._select(row, load_factor)
         except DataError:
             if not any(map(math.isnan, row)):
                 raise
-            state = None
-        reading = np.array([row])
-        finding, p_value, leaf_p = None, None, None
-        if self.filter is not None and belief is not None:
-            expected = self.filter.advance(belief)
-            if isinstance(self.filter.likelihood, LeafLikelihood):
-                leaf_p = float(leaf_p_value(self.filter.likelihood, expected, reading, load_factor)[0])
-            belief = self.filter.observe(expected, reading, load_factor)
-        if self.watch is not None and monitor_state is not None:
-            was_alarm = bool(monitor_state.is_alarm[0])
-            monitor_state = self.watch.observe(monitor_state, reading, load_factor)
-            p_value = float(monitor_state.p_value[0])
-            if monitor_state.is_alarm[0] and not was_alarm:
-                finding = explain(self.watch, monitor_state, 0, self._state_of_watch(state))
-        return Result(number, state, belief, leaf_p, p_value, finding), belief, monitor_state
+            return None
+
+    def _believed(self, belief: Belief, reading: Floats, load_factor: Applied) -> tuple[float | None, Belief]:
+        """Return the p-value of the leaf, of a filter on leaves, and the belief after a reading (1, n_gauges)."""
+        assert self.filter is not None
+        expected, leaf_p = self.filter.advance(belief), None
+        if isinstance(self.filter.likelihood, LeafLikelihood):
+            leaf_p = float(leaf_p_value(self.filter.likelihood, expected, reading, load_factor)[0])
+        return leaf_p, self.filter.observe(expected, reading, load_factor)
 
     def _state_of_watch(self, state: int | None) -> int:
         """Return the state of the watch's library that lies nearest to the selected one."""

@@ -37,6 +37,8 @@ Floats = NDArray[np.float64]
 MOST_TABLES = 64
 """Tables kept, one for each load and set of gauges at hand."""
 
+N_NEAREST = 4
+"""A gauge is a neighbour of so many others that lie nearest to it."""
 SCALES = (0.3, 1.0, 3.0)
 """Scales tau of a shift in an unknown direction, standard deviations per reading."""
 N_BEGINNINGS = 10
@@ -93,6 +95,8 @@ class Watch:
         readings after which the test starts afresh (a mission).
     largest_load
         load factor that readings have at most.
+    places
+        (n_gauges, 2) of the gauges [m]; None: not known, and every gauge is taken as a neighbour of every other.
     """
 
     library: Library
@@ -100,7 +104,9 @@ class Watch:
     rate: float = 0.01
     horizon: int = 100
     largest_load: float = 3.0
+    places: Floats | None = None
     parity: Parity = field(init=False, repr=False)
+    neighbours: NDArray[np.bool_] = field(init=False, repr=False)
     hypotheses: tuple[tuple[Candidate, float], ...] = field(init=False, repr=False)
     _log_prior: Floats = field(init=False, repr=False)
     _tables: dict[tuple[bytes, float], Floats] = field(init=False, repr=False, default_factory=dict)
@@ -111,6 +117,7 @@ class Watch:
                 f"rate is {self.rate} and horizon {self.horizon}; expected a rate in (0, 1) and at least one reading"
             )
         self.parity = Parity(self.library, self.largest_load)
+        self.neighbours = _neighbours(len(self.library.gauges), self.places)
         everything = (*gauge_candidates(self.library), *self.candidates)
         pairs = [(one, size) for one in everything for size in one.sizes if self._can_show(one, size)]
         self.hypotheses = tuple(pairs)
@@ -179,6 +186,14 @@ class Watch:
         log_e = logsumexp(self.log_parts(new), axis=1)
         return replace(new, log_e=log_e, is_alarm=monitor_state.is_alarm | (log_e >= -np.log(self.rate)))
 
+    def seen(self, readings: Floats, loads: Sequence[Applied]) -> MonitorState:
+        """Return the monitor state after readings (n, n_gauges) of one asset, without those of too few gauges."""
+        state = self.start()
+        for row, load in zip(readings, loads, strict=True):
+            if self.parity.can_disagree(~np.isnan(row)):
+                state = self.observe(state, row[None], load)
+        return state
+
     def _compared(self, rows: Floats, loads: Floats) -> tuple[Floats, Floats, Floats]:
         """Return residuals (n, n_gauges), log ratios (n, n_hypotheses) and degrees of freedom (n,)."""
         is_known = ~np.isnan(rows)
@@ -227,3 +242,19 @@ class Watch:
             logs.append(0.5 * tau**2 * square / spread - 0.5 * monitor_state.degrees[:, None] * np.log(spread))
         stacked = np.concatenate(logs, axis=1)
         return np.asarray(logsumexp(stacked, axis=1) + np.log(prior / stacked.shape[1]))
+
+
+def _neighbours(n: int, places: Floats | None) -> NDArray[np.bool_]:
+    """Return which gauges are neighbours (n, n): one is among the nearest of the other."""
+    if places is None:
+        return ~np.eye(n, dtype=bool)
+    if np.shape(places) != (n, 2):
+        raise ProblemError(
+            f"places has shape {np.shape(places)}; expected ({n}, 2), one row for each gauge; give these"
+        )
+    apart = np.linalg.norm(places[:, None] - places[None], axis=2)
+    np.fill_diagonal(apart, np.inf)
+    nearest = np.zeros((n, n), dtype=bool)
+    np.put_along_axis(nearest, np.argsort(apart, axis=1, kind="stable")[:, :N_NEAREST], True, axis=1)
+    np.fill_diagonal(nearest, False)
+    return np.asarray(nearest | nearest.T)

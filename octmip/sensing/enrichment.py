@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.errors import DataError, ProblemError
+from octmip.errors import DataError
 from octmip.monitor import (
     Finding,
     Library,
@@ -27,7 +27,7 @@ from octmip.monitor import (
     explain,
     state_candidates,
 )
-from octmip.monitor.library import DEFAULT_LEVELS, Applied
+from octmip.monitor.library import Applied, default_levels
 from octmip.monitor.stream import Result
 from octmip.sensing.monitor_design import MonitorDesign, design_monitor
 from octmip.trees.answer.certificate import certify
@@ -35,7 +35,17 @@ from octmip.trees.answer.solution import Limits, Solution, Stop
 from octmip.trees.nodes.prediction import predict
 from octmip.trees.nodes.tree import Leaf, Node, condition, features_used
 from octmip.trees.question.problem import Problem
-from octmip.twin import Load, State, Twin, TwinAround, predict_states, state_limits_of, state_parameters, units_of
+from octmip.twin import (
+    Load,
+    State,
+    Twin,
+    TwinAround,
+    positions_of,
+    predict_states,
+    state_limits_of,
+    state_parameters,
+    units_of,
+)
 
 Floats = NDArray[np.float64]
 SIGNIFICANT = 3.0
@@ -203,39 +213,34 @@ def watched(
     library = selector.library
     candidates = state_candidates(twin, library)
     largest = max((library.checked_load(load) for load in loads), default=1.0)
-    watch = Watch(library, candidates, rate, horizon=len(readings), largest_load=largest)
+    places = positions_of(twin)
+    if places is not None:
+        places = places[[twin.gauges.index(gauge) for gauge in library.gauges]]
+    watch = Watch(library, candidates, rate, horizon=len(readings), largest_load=largest, places=places)
     rows = [[None if np.isnan(value) else value for value in row] for row in readings.tolist()]
-    alarm, first, state, start, faulty = None, None, 0, 0, []
+    alarm, finding, state, start, faulty = None, None, 0, 0, tuple[str, ...]()
     for result in Monitor(selector, watch=watch).run(zip(loads, rows, strict=True)):
-        if not isinstance(result, Result) or result.finding is None:
+        if not isinstance(result, Result):
+            continue
+        faulty = result.left_out
+        if result.finding is None:
             continue
         state = result.state or 0
         if result.finding.kind == "gauge":
-            faulty.append(result.finding.name)
             start = result.number + 1  # the watch begins again
             continue
-        alarm, first = result.number + 1, replace(result.finding, since=start + result.finding.since)
+        alarm, finding = result.number + 1, result.finding
+        finding = finding if finding.together else replace(finding, since=start + finding.since)
         break
-    finding = first
-    n_tested = sum(_can_disagree(watch, row) for row in readings)
-    if first is not None:
-        kept = watch.start()
-        for row, load in zip(np.where(np.isin(library.gauges, faulty), np.nan, readings), loads, strict=True):
-            kept = watch.observe(kept, row[None], load) if _can_disagree(watch, row) else kept
-        later = explain(watch, kept, 0, state)
+    n_tested = sum(watch.parity.can_disagree(~np.isnan(row)) for row in readings)
+    if finding is not None:
+        left = np.where(np.isin(library.gauges, faulty), np.nan, readings)
+        later = explain(watch, watch.seen(left, loads), 0, state, finding.together)
         # Many readings of a large damage show that its signature is another beside other damages: then nothing fits
         # them. The enriched library, which knows it beside them, is tried on all of them.
-        finding = first if later.kind == "unknown" else later
+        finding = finding if later.kind in ("unknown", "gauge") else later
     n_damages = len({one.name for one in candidates})
-    return Seen(library, n_damages, len(readings), n_tested, alarm, finding, tuple(faulty))
-
-
-def _can_disagree(watch: Watch, row: Floats) -> bool:
-    """Return whether a reading (n_gauges,), NaN where missing, has gauges enough that the states leave some free."""
-    try:
-        return watch.parity.degrees(~np.isnan(row)) > 0
-    except ProblemError:
-        return False
+    return Seen(library, n_damages, len(readings), n_tested, alarm, finding, faulty)
 
 
 def enrich(
@@ -311,7 +316,7 @@ def _levels(twin: PartOf, library: Library) -> dict[str, list[float]]:
     """Return the levels of the library's parameters, and those of the new one."""
     own = {name: np.unique(library.states[:, k]).tolist() for k, name in enumerate(library.parameters)}
     added = twin.kept[-1]
-    return own | {added: [level * twin.state_limits[added] for level in DEFAULT_LEVELS]}
+    return own | {added: default_levels(twin.state_limits[added])}
 
 
 def _changed(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.monitor import Library, ModelSelector, ParameterTree, grid_states, library_of
-from octmip.monitor.library import DEFAULT_LEVELS, Applied
+from octmip.monitor.library import Applied, default_levels
 from octmip.sensing.sensor_sets import shared_budget
 from octmip.trees.answer.solution import Limits, Solution
 from octmip.trees.nodes.prediction import predict
@@ -155,8 +155,7 @@ def design_monitor(
     _refuse_unknown("levels", given, names)
     _refuse_unknown("costs", costs or {}, twin.gauges)
     grid = [
-        sorted(given.get(name, [limit * level for level in DEFAULT_LEVELS]))
-        for name, limit in zip(names, state_limits_of(twin), strict=True)
+        sorted(given.get(name, default_levels(limit))) for name, limit in zip(names, state_limits_of(twin), strict=True)
     ]
     library = library_of(twin, grid_states(grid), _noise(twin, noise_sd), load_factor=load)
     factor = library.checked_load(load)

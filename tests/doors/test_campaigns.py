@@ -9,6 +9,7 @@ from benchmarks.cases.doors.campaigns import DISPLAYS, FAULTS, answered, drawn
 from octmip.gap import CachedTwin, Campaign, Differences, Odds, Recorded, diagnose, gathered
 from octmip.gap.campaign.noise_estimate import estimate_noise
 from tests.doors.campaigns import FORCES, TWIN, shown
+from tests.test_octmip.beam_twin import remembering
 
 
 @pytest.mark.parametrize("seed", range(2 * len(DISPLAYS)))
@@ -25,9 +26,7 @@ def test_a_faulty_channel_is_found(seed: int) -> None:
 def noise_of(seed: int, rho: float, repeats: int = 12) -> bool:
     """Return whether the noise of four gauges in four cells is said to remember."""
     rng = np.random.default_rng([seed, int(100 * rho)])
-    series = rng.standard_normal((4 * repeats, 4))
-    for k in range(1, len(series)):
-        series[k] = rho * series[k - 1] + np.sqrt(1.0 - rho**2) * series[k]
+    series = remembering(rng, (4 * repeats, 4), rho)
     n, nan = len(series), np.full(len(series), np.nan)
     loads = np.repeat(np.arange(4.0), repeats)
     return estimate_noise(

@@ -21,8 +21,8 @@ def test_half_a_file_would_be_seen(monkeypatch):
 
 @pytest.mark.filterwarnings("ignore:no worker of the cluster is left")
 def test_a_killed_worker_costs_no_answer(monkeypatch):
-    line = workers.kill_workers(0, 2)
-    assert (line["solves"], line["bad"], line["kills"] >= 2) == (2, 0, True)
+    line = workers.kill_workers(0, 1)
+    assert (line["solves"], line["bad"], line["kills"] >= 1) == (1, 0, True)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in soak.KINDS if kind not in (soak.mixed_integer, soak.searched)])

@@ -6,7 +6,7 @@ import pytest
 from benchmarks.plain.least_squares import FITS, fits_of
 from benchmarks.plain.selector import select
 from octmip.gap import Recorded, function_twin, gathered
-from tests.test_octmip.beam_twin import Beam, measured, own_gains
+from tests.test_octmip.beam_twin import Beam, measured
 
 TWIN = Beam()
 RUN = measured(1000)
@@ -19,8 +19,6 @@ def at(gauge, value):
 CLEAR = {
     "temperature_uniform": lambda state, load, time: np.full(20, -25.0),
     "gauge_gain": lambda state, load, time: at(4, 0.04) * TWIN.predict(state, load),
-    "gauge_bias": lambda state, load, time: at(4, 40.0),
-    "dead_gauge": lambda state, load, time: -at(4, 1.0) * own_gains() * TWIN.predict(state, load),
 }
 
 

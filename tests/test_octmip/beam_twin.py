@@ -5,8 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from octmip.gap import Campaign
+from octmip.gap import CHAIN, Campaign
 
+SD = 31.6
+"""Standard deviation of a reading [microstrain]."""
 ETA = np.concatenate([np.linspace(0.26, 0.47, 8), np.linspace(0.57, 0.755, 8), np.linspace(0.3, 0.7, 4)])
 ROW = np.concatenate([np.full(16, 0.21), np.full(4, 0.35)])
 HEALTHY = 980 * (1 - ETA) ** 1.6 * (1 + 1.1 * (ROW - 0.21)) + 60
@@ -96,13 +98,41 @@ class Asset(Beam):
 Change = Callable[[dict, float, float], np.ndarray]
 
 
+def effect(name: str, size: float, place: str = "") -> Change:
+    """Return the change by an effect; those of the measuring chain act on what the asset's gauges see."""
+    acting, strained = {**CHAIN, **own_effects()}[name], Asset() if name in CHAIN else Beam()
+    return lambda state, load, time: size * acting.signature(strained, state, load, place=place, time=time)
+
+
+def both(*changes: Change) -> Change:
+    return lambda state, load, time: sum(change(state, load, time) for change in changes)
+
+
+def sound_readings(campaign: Campaign) -> np.ndarray:
+    """Return what the twin says of every row of a campaign of the sound asset."""
+    return np.array([Beam().predict({}, load) for load in campaign.load_factor])
+
+
+def remembering(rng, shape, rho):
+    """Return AR(1) of unit variance along the first axis."""
+    series = rng.standard_normal((shape[0] + 200, *shape[1:]))
+    for k in range(1, len(series)):
+        series[k] = rho * series[k - 1] + np.sqrt(1.0 - rho**2) * series[k]
+    return series[200:]
+
+
+def serial(rho):
+    """Return noise in which each reading remembers the one before."""
+    return lambda rng, shape, load: SD * remembering(rng, shape, rho)
+
+
 def measured(
     seed: int,
     change: Change | None = None,
     states=((0.0, 0.0),),
     loads=(0.0, 1.0, 2.0, 3.0),
     repeats: int = 50,
-    sd: float = 31.6,
+    sd: float = SD,
     known: bool = True,
     mesh: float = 0.01,
     noise: Callable | None = None,

@@ -12,9 +12,8 @@ from octmip.gap.channels.checks import calm, checked
 from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.channels.levels import stuck_in
 from octmip.gap.channels.outliers import robust
-from tests.test_octmip.beam_twin import Beam, measured
+from tests.test_octmip.beam_twin import SD, Beam, measured, serial, sound_readings
 
-SD = 31.6
 TWIN = Beam()
 
 
@@ -23,11 +22,6 @@ def changed(change, seed=5, noise=None, **settings):
     readings = np.array(campaign.readings)
     change(readings)
     return dataclasses.replace(campaign, readings=readings)
-
-
-def beside(campaign):
-    """What the twin says of every row of a healthy campaign."""
-    return np.array([TWIN.predict({}, load) for load in campaign.load_factor])
 
 
 def put(rows, value):
@@ -53,7 +47,7 @@ STUCK = {
 def test_a_stuck_channel_is_named_first_and_left_out(name):
     change, count = STUCK[name]
     campaign = changed(change)
-    (found,) = stuck_in(campaign, beside(campaign))
+    (found,) = stuck_in(campaign, sound_readings(campaign))
     assert found.gauge == "g07"
     assert abs(len(found.rows) - count) <= 1
     checks = checked(campaign, TWIN)
@@ -76,7 +70,7 @@ def test_a_stuck_channel_leaves_the_rest_sound(name):
 @pytest.mark.parametrize(("n", "found"), [(7, 0), (8, 1)])
 def test_a_few_equal_readings_within_a_load_are_a_slow_channel(n, found):
     campaign = changed(put(slice(60, 60 + n), 640.5))
-    assert len(stuck_in(campaign, beside(campaign))) == found
+    assert len(stuck_in(campaign, sound_readings(campaign))) == found
 
 
 @pytest.mark.parametrize(
@@ -85,7 +79,7 @@ def test_a_few_equal_readings_within_a_load_are_a_slow_channel(n, found):
 def test_coarse_steps_are_not_stuck(step, gauges):
     for seed in range(2):
         coarse = changed(lambda r: r.__setitem__((slice(None), gauges), np.round(r[:, gauges] / step) * step), seed)
-        assert stuck_in(coarse, beside(coarse)) == []
+        assert stuck_in(coarse, sound_readings(coarse)) == []
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -95,7 +89,7 @@ def test_a_clipped_channel_is_clipped_and_not_stuck(sign):
         readings[:, 1] = sign * np.minimum(sign * readings[:, 1], 900.0)
 
     campaign = changed(change)
-    assert stuck_in(campaign, beside(campaign)) == []
+    assert stuck_in(campaign, sound_readings(campaign)) == []
     assert [(f.kind, f.gauge, f.value) for f in checked(campaign, TWIN).faults] == [("clipped", "g02", sign * 900.0)]
 
 
@@ -153,7 +147,7 @@ def test_outliers_are_named_with_gauge_and_share():
 
     found = checked(campaign := measured(5, noise=noise), TWIN)
     assert tuple(found.outliers) == ("g04",)
-    share = np.mean((campaign.readings - beside(campaign))[:, 3] > 6.0 * SD)
+    share = np.mean((campaign.readings - sound_readings(campaign))[:, 3] > 6.0 * SD)
     assert 0.7 * share < found.outliers["g04"] <= share  # some stand beside each other
     assert found.findings == ("outliers",)
     assert "g04" in found.notes[-1]
@@ -184,13 +178,7 @@ def test_a_gauge_that_jumps_in_its_only_cell_is_left_out():
 
 
 def test_slow_noise_is_no_jump():
-    def noise(rng, shape, load):
-        series = rng.standard_normal((shape[0] + 100, shape[1]))
-        for k in range(1, len(series)):
-            series[k] = 0.85 * series[k - 1] + np.sqrt(1.0 - 0.85**2) * series[k]
-        return SD * series[100:]
-
-    assert sum(len(jumps_in(measured(seed, noise=noise))) for seed in range(6)) <= 1
+    assert sum(len(jumps_in(measured(seed, noise=serial(0.85)))) for seed in range(6)) <= 1
     often = np.repeat([0.0, 20.0, 0.0, 20.0, 0.0, 20.0, 0.0, 0.0], 25) * SD  # one gauge, in three cells of four
     assert jumps_in(changed(lambda r: r.__setitem__((slice(None), 8), r[:, 8] + often))) == []
     assert jumps_in(changed(lambda r: r.__setitem__(slice(25, None), r[25:] + 20.0 * SD), loads=(2.0,))) == []
@@ -204,7 +192,7 @@ def test_readings_far_off_together_or_often_are_no_outliers():
 def test_where_every_channel_is_stuck_nothing_says_how_much_they_scatter():
     campaign = measured(5)
     campaign = dataclasses.replace(campaign, readings=np.repeat(campaign.readings[::50], 50, axis=0))
-    assert stuck_in(campaign, beside(campaign)) == []  # refused where the noise is asked for
+    assert stuck_in(campaign, sound_readings(campaign)) == []  # refused where the noise is asked for
 
 
 FINE = 5e-4
@@ -218,8 +206,8 @@ def in_strain(campaign):
 @pytest.mark.parametrize("name", ["at another value always", "in one load", "for a time within a load"])
 def test_a_stuck_channel_is_found_in_whatever_unit(name):
     campaign = changed(STUCK[name][0], sd=FINE)
-    (one,) = stuck_in(campaign, beside(campaign))
-    (other,) = stuck_in(in_strain(campaign), 1e-6 * beside(campaign))
+    (one,) = stuck_in(campaign, sound_readings(campaign))
+    (other,) = stuck_in(in_strain(campaign), 1e-6 * sound_readings(campaign))
     assert (one.gauge, one.rows.tolist()) == (other.gauge, other.rows.tolist())
 
 

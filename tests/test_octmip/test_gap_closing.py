@@ -191,5 +191,6 @@ def test_every_mean_reading_is_one_entry_although_its_halves_are_fitted_apart():
     where = diagnose(measured(3), Beam(), commissioning=COMMISSIONING).where
     names = [entry.name for entry in where.entries]
     assert len(names) == len(set(names)) == 20 * 4
+    assert not any(entry.is_significant for entry in where.entries)
     z = np.array([entry.z for entry in where.entries])
     assert 0.7 < float(np.sqrt(np.mean(z**2))) < 1.3

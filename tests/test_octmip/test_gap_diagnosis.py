@@ -5,32 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import norm
 
 from octmip.gap import CHAIN, diagnose
 from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.interfaces.report.diagnosis.page import report_page
 from octmip.interfaces.report.diagnosis.words import page_of_words
-from octmip.trees.nodes.tree import Leaf, Split
-from tests.test_octmip.beam_twin import Asset, Beam, Field, measured
+from tests.test_octmip.beam_twin import HEALTHY, Beam, Field, both, effect, measured
 
 TWIN = Beam()
 COMMISSIONING = measured(1000)
 CONFOUNDED = {"modulus", "load_factor_error", "common_gain"}
-
-
-def effect(name, size, place=""):
-    source = {**CHAIN, **TWIN.effects}[name]
-    strained = Asset() if name in CHAIN else TWIN  # the chain acts on what the asset's gauges see
-
-    def change(state, load, time):
-        return size * source.signature(strained, state, load, place=place, time=time)
-
-    return change
-
-
-def both(*changes):
-    return lambda state, load, time: sum(change(state, load, time) for change in changes)
 
 
 def names_of(cause):
@@ -114,33 +98,13 @@ def test_exactly_confounded_effects_are_named_together_whatever_size_and_loads(s
         assert any(set(names) >= CONFOUNDED for names in diagnosis.which[0].names)
 
 
-def test_the_effect_closes_the_gap_on_held_out_loads():
-    diagnosis = diagnose(measured(7, effect("temperature_uniform", -8.0)), TWIN, commissioning=COMMISSIONING)
-    closing = diagnosis.shrinkage
-    assert closing is not None
-    assert closing.closed > 0.9
-    assert closing.after < 0.3 * closing.before
-    assert {h.name for h in closing.held_out} == {f"load factor {load}" for load in range(4)}
-
-
-def test_a_wrong_effect_does_not_close_the_gap():
-    from octmip.gap.shrinkage import measure_shrinkage
-
-    diagnosis = diagnose(measured(7, effect("temperature_uniform", -8.0)), TWIN, commissioning=COMMISSIONING)
-    candidates = diagnosis.posterior.model.inputs.candidates
-    wrong = next(j for j, candidate in enumerate(candidates) if candidate.name == "modulus")
-    assert measure_shrinkage(diagnosis.posterior.inference, [wrong]).closed < 0.5
-
-
 def test_many_free_regions_and_no_baseline_are_refused_with_the_test_that_helps():
     class Patchwork(Beam):
         """A damage of its own under every gauge."""
 
         def predict(self, state, load_factor):
             damage = np.array([state.get(name, 0.0) for name in self.parameters])
-            return load_factor * HEALTHY_STRAIN * (1 + damage)
-
-    from tests.test_octmip.beam_twin import HEALTHY as HEALTHY_STRAIN
+            return load_factor * HEALTHY * (1 + damage)
 
     twin = Patchwork(parameters=tuple(f"mu{k + 1:02d}" for k in range(20)))
     sound = measured(4, effect("modulus", -3.0), mesh=0.0)
@@ -158,25 +122,6 @@ def test_an_unknown_state_is_estimated_beside_the_effect():
     state = diagnose(campaign, TWIN, commissioning=COMMISSIONING).states[0]
     assert abs(state.mean["mu1"] - 0.35) < 4 * state.sd["mu1"] + 0.01
     assert abs(state.mean["mu2"] - 0.55) < 4 * state.sd["mu2"] + 0.01
-
-
-def test_gaps_of_a_sound_asset_are_standard_normal_in_their_standard_deviations():
-    entries = diagnose(measured(5), TWIN, commissioning=COMMISSIONING).where.entries
-    z = np.array([place.z for place in entries])
-    assert 0.6 < np.sqrt(np.mean(z**2)) < 1.5
-    assert [place.p_value for place in entries] == pytest.approx((2.0 * norm.sf(np.abs(z))).tolist())
-    assert not any(place.is_significant for place in entries)
-
-
-def test_tree_nodes_are_ranked_by_flipped_decisions():
-    threshold = float(TWIN.predict({}, 1.0)[8]) + 10.0
-    tree = Split(8, threshold, Leaf(0), Split(0, 5e3, Leaf(1), Leaf(0)))
-    campaign = measured(3, effect("gauge_bias", 90.0, "g09"), loads=(1.0, 2.0, 3.0))
-    nodes = diagnose(campaign, TWIN, commissioning=COMMISSIONING, tree=tree, feature_names=TWIN.gauges).where.nodes
-    assert nodes[0].path == ""
-    assert nodes[0].share > 0.1
-    assert nodes[0].simulated > nodes[0].real
-    assert nodes[1].share < 0.02
 
 
 def test_the_json_object_has_its_stable_keys_and_is_json():

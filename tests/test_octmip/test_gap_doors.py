@@ -1,15 +1,9 @@
 """Doors to other people's models: function, table and program, and the functions of the page that ask others."""
 
-import contextlib
-import importlib.util
 import json
 import multiprocessing
-import socket
-import subprocess
 import sys
 import threading
-import time
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -188,10 +182,6 @@ def test_a_table_that_does_not_hold_its_card_is_refused(tmp_path, change, told):
         table_twin(path)
 
 
-def has(*packages):
-    return all(importlib.util.find_spec(package) is not None for package in packages)
-
-
 def of_page(name):
     """Return a function that the how-to page of the doors prints."""
     space = {}
@@ -200,92 +190,6 @@ def of_page(name):
         if f"def {name}(" in code or "def within(" in code:
             exec(code, space)
     return space[name]
-
-
-SERVER = """
-import umbridge
-{source}
-class Beam(umbridge.Model):
-    def get_input_sizes(self, config):
-        return [2, 1]
-    def get_output_sizes(self, config):
-        return [3]
-    def supports_evaluate(self):
-        return True
-    def __call__(self, asked, config):
-        (k, gap), (force,) = asked
-        return [list(beam({{"stiffness": k, "gap": gap}}, {{"force": force}}).values())]
-umbridge.serve_models([Beam("beam")], 4242)
-"""
-
-
-@pytest.mark.skipif(not has("umbridge"), reason="the package umbridge is not installed")
-def test_the_function_of_the_page_asks_a_server_of_um_bridge():
-    code = SERVER.format(source=SOURCE)
-    server = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    twin = function_twin(of_page("served"), READINGS, RANGES, ("force",))
-    try:
-        for _ in range(100):
-            with contextlib.suppress(OSError):
-                socket.create_connection(("localhost", 4242), 0.1).close()
-                break
-            time.sleep(0.1)
-        assert twin.predict({}, 70.0) == pytest.approx(TWIN.predict({}, 70.0), rel=1e-15)
-    finally:
-        server.terminate()
-        server.wait()
-
-
-SLAVE = """
-from pythonfmu3 import Fmi3Causality, Fmi3Slave, Fmi3Variability, Float64
-{source}
-
-class Beamfmu(Fmi3Slave):
-    def __init__(self, **kwargs):
-        super().__init__(**kwargs)
-        self.time = 0.0
-        own, moving = Fmi3Causality.independent, Fmi3Variability.continuous
-        self.register_variable(Float64("time", causality=own, variability=moving))
-        for name, start in (("stiffness", 100.0), ("gap", 0.0), ("force", 0.0)):
-            setattr(self, name, start)
-            self.register_variable(
-                Float64(name, causality=Fmi3Causality.parameter, variability=Fmi3Variability.tunable, start=start)
-            )
-        for name in ("tip", "mid", "f1"):
-            setattr(self, name, 0.0)
-            self.register_variable(Float64(name, causality=Fmi3Causality.output))
-
-    def do_step(self, current_time, step_size):
-        for name, value in beam({{"stiffness": self.stiffness, "gap": self.gap}}, {{"force": self.force}}).items():
-            setattr(self, name, value)
-        return True
-"""
-
-
-@pytest.mark.skipif(not has("fmpy", "pythonfmu3"), reason="the packages fmpy and pythonfmu3 are not installed")
-def test_the_function_of_the_page_runs_an_fmu_and_refuses_one_that_unpacks_to_gigabytes(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    Path("beamfmu.py").write_text(SLAVE.format(source=SOURCE))
-    build = [sys.executable, "-m", "pythonfmu3", "build", "-f", "beamfmu.py"]
-    subprocess.run(build, check=True, capture_output=True)
-    Path("Beamfmu.fmu").rename("beam.fmu")
-    readings = {name: READINGS[name] for name in ("tip", "f1")}
-    twin = function_twin(of_page("unit"), readings, RANGES, ("force",))
-    assert twin.predict({}, 200.0) == pytest.approx(TWIN.predict({}, 200.0)[[0, 2]], rel=1e-14)
-    with zipfile.ZipFile("beam.fmu", "a", zipfile.ZIP_DEFLATED) as archive, archive.open("big", "w") as big:
-        for _ in range(1000):
-            big.write(bytes(2**20))
-    with pytest.raises(TwinError, match="unpacks to over 1 GB"):
-        CachedTwin(function_twin(of_page("unit"), readings, RANGES, ("force",))).predict({}, 200.0)
-
-
-def test_a_file_beside_the_campaign_hides_no_package(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", [path for path in sys.path if path])
-    monkeypatch.delitem(sys.modules, "pickletools", raising=False)
-    Path("pickletools.py").write_text("raise SystemExit")
-    with pytest.raises(DataError, match="pickletools"):  # the library's own, which makes no twin
-        open_twin("pickletools:dis")
 
 
 def test_a_question_that_is_never_answered_ends_in_time():
@@ -330,23 +234,24 @@ def test_rows_that_cannot_be_interpolated_are_refused(tmp_path, rows, told):
         table_twin(path)
 
 
-def test_a_wrong_door_or_program_is_one_sentence_with_its_cure(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(
-        DataError, match=r"'nodoor' cannot be imported .*expected MODULE:NAME, or a door such as table:"
-    ):
-        open_twin("nodoor:beam")
-
-
 @pytest.mark.parametrize(
     ("name", "told"),
     [
+        ("nodoor:beam", r"'nodoor' cannot be imported .*expected MODULE:NAME, or a door such as table:"),
+        ("json:dumps", r"'json:dumps' cannot be called without arguments.*function"),
+        ("python:json:dumps", r"'json:dumps' cannot be called .*f\(parameters, loads\).*--card CARD.json"),
+        ("pickletools:dis", "pickletools"),  # the library's own, which makes no twin
         ("table:beam.csv", r"^table beam.csv is not there; expected a CSV or Parquet file"),
         ("table:here.csv", r"^card here.csv.json is not there: .*--card"),
     ],
 )
-def test_what_is_not_there_is_named_the_model_before_its_card(tmp_path, monkeypatch, name, told):
+def test_what_opens_no_door_is_one_sentence_with_its_cure_and_a_file_beside_it_hides_no_package(
+    tmp_path, monkeypatch, name, told
+):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [path for path in sys.path if path])
+    monkeypatch.delitem(sys.modules, "pickletools", raising=False)
+    (tmp_path / "pickletools.py").write_text("raise SystemExit")
     (tmp_path / "here.csv").write_text("force,tip\n1,2\n")
     with pytest.raises(DataError, match=told):
         open_twin(name)

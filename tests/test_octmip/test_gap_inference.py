@@ -155,7 +155,9 @@ def test_a_node_flips_as_many_decisions_as_more_readings_pass_it_than_the_twins(
     model = linearise(inputs, np.zeros((3, 2)))
     level, far = float(own_gains()[7] * twin.predict({}, 1.0)[7]), float(own_gains()[3] * twin.predict({}, 1.0)[3])
     tree = Split(1, level, Split(0, far, Leaf(0), Leaf(1)), Leaf(1))
-    by_path = {flip.path: flip for flip in flips(model, tree, ["g04", "g08"])}
+    found = flips(model, tree, ["g04", "g08"])
+    by_path = {flip.path: flip for flip in found}
+    assert [flip.share for flip in found] == sorted((flip.share for flip in found), reverse=True)
 
     def below(shift: float) -> float:
         return float(np.mean([norm.cdf(-shift * load / 31.6) for load in loads[1:]]))

@@ -8,26 +8,17 @@ import pytest
 
 from octmip.gap import CHAIN, diagnose
 from octmip.gap.campaign.campaign import Fault
+from octmip.gap.causes import ConfoundedEffects
 from octmip.gap.effects.simple import SimpleEffect
 from octmip.gap.effects.words import effect_words, words_at
 from octmip.gap.shrinkage import Shrinkage
 from octmip.interfaces.report.diagnosis.phrases import about, closed_words, interval_words, size_of
 from octmip.interfaces.report.diagnosis.recommendation import Verdict, recommend, verdict_of
 from octmip.interfaces.report.diagnosis.words import page_of_words
-from tests.test_octmip.beam_twin import Asset, Beam, Field, measured
+from tests.test_octmip.beam_twin import Beam, Field, both, effect, measured
 
 TWIN = Beam()
 COMMISSIONING = measured(1000)
-
-
-def effect(name, size, place=""):
-    source = {**CHAIN, **TWIN.effects}[name]
-    strained = Asset() if name in CHAIN else TWIN
-    return lambda state, load, time: size * source.signature(strained, state, load, place=place, time=time)
-
-
-def both(*changes):
-    return lambda state, load, time: sum(change(state, load, time) for change in changes)
 
 
 def diagnosed(change=None, seed=7, library=None, **settings):
@@ -61,6 +52,14 @@ def test_what_remains_beside_a_cause_is_said(gain):
     assert 0.85 < gain.shrinkage.low < gain.shrinkage.closed < gain.shrinkage.high < 1.15
     worse = dataclasses.replace(gain, shrinkage=dataclasses.replace(gain.shrinkage, p_after=1e-9))
     assert recommend(worse).endswith("; something smaller remains that no effect of the library describes.")
+
+
+def test_what_reads_alike_but_is_improbable_is_said_in_the_first_sentence(gain):
+    alike = ConfoundedEffects(("gauge_gain", "alignment"), ("g05", "g05"), (0.0,), (1.0, 0.01), ("a", "b"), "", ())
+    first = dataclasses.replace(gain.which[0], confounded=(alike,))
+    tied = dataclasses.replace(gain, which=(first, *gain.which[1:]))
+    assert verdict_of(tied) is Verdict.CAUSE
+    assert recommend(tied).endswith("; far less probably b, which these readings cannot tell from it.")
 
 
 def test_a_pair_is_two_actions():

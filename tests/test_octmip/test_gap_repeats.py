@@ -1,6 +1,5 @@
 """The noise from its repeats: memory, what gauges share, walks; means and their variance hold to what was drawn."""
 
-import dataclasses
 from dataclasses import replace
 
 import numpy as np
@@ -14,22 +13,11 @@ from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.campaign.spectrum import coefficients, fit, inflation_of
 from octmip.gap.channels.checks import noise_of_run
 from octmip.interfaces.report.diagnosis.words import noise_lines
-from tests.test_octmip.beam_twin import ETA, Beam, measured
+from tests.test_octmip.beam_twin import ETA, SD, Beam, measured, remembering, serial
 
-SD = 31.6
 TWIN = Beam()
-
-
-def remembering(rng, shape, rho):
-    """AR(1) of unit variance along the first axis."""
-    series = rng.standard_normal((shape[0] + 200, *shape[1:]))
-    for k in range(1, len(series)):
-        series[k] = rho * series[k - 1] + np.sqrt(1.0 - rho**2) * series[k]
-    return series[200:]
-
-
-def serial(rho):
-    return lambda rng, shape, load: SD * remembering(rng, shape, rho)
+STEP = 0.022
+"""A walk of this step, in standard deviations of a reading, moves later means by twice their scatter."""
 
 
 def common(rho):
@@ -40,7 +28,8 @@ def common(rho):
     return noise
 
 
-def walking(step):
+def walking(step=STEP):
+    """Return noise whose walk goes on from load to load."""
     level = [0.0]
 
     def noise(rng, shape, load):
@@ -96,7 +85,7 @@ def test_a_walk_is_named_and_carried_from_cell_to_cell():
 def test_the_covariance_of_means_that_remember_is_one_however_calm_a_load_is():
     """Before: where one load scattered less, what it shared with others was more than it had, and nothing was said."""
     campaign = measured(3, noise=serial(0.95))
-    noise = dataclasses.replace(estimate_noise(campaign), scale={0.0: 1.0, 1.0: 0.1, 2.0: 1.0, 3.0: 1.0})
+    noise = replace(estimate_noise(campaign), scale={0.0: 1.0, 1.0: 0.1, 2.0: 1.0, 3.0: 1.0})
     averages = campaign.averages(split=False)
     covariance = noise.of_averages(averages, np.arange(4), np.full(4, 2))
     assert np.linalg.eigvalsh(covariance).min() > 0.0
@@ -151,27 +140,9 @@ def test_a_run_without_repeats_takes_the_noise_of_the_campaign():
 # Readings that wander from load to load: weighed against effects by campaign and commissioning run together
 
 
-TWIN = Beam()
-SD = 31.6
-STEP = 0.022
-"""A walk of this step, in standard deviations of a reading, moves later means by twice their scatter."""
-
-
-def wandering(step=STEP):
-    """Noise whose walk goes on from load to load."""
-    level = [np.zeros(20)]
-
-    def noise(rng, shape, load):
-        walk = level[0] + step * np.cumsum(rng.standard_normal(shape), axis=0)
-        level[0] = walk[-1]
-        return SD * (walk + rng.standard_normal(shape))
-
-    return noise
-
-
 @pytest.fixture(scope="module")
 def sound():
-    return diagnose(measured(12, noise=wandering()), TWIN, commissioning=measured(1012, noise=wandering()))
+    return diagnose(measured(12, noise=walking()), TWIN, commissioning=measured(1012, noise=walking()))
 
 
 def test_a_walk_too_slow_for_the_repeats_accuses_no_sound_asset_and_is_named(sound):
@@ -194,7 +165,7 @@ def test_the_page_says_how_far_the_readings_wander(sound):
 
 
 def test_a_calm_run_beside_a_campaign_that_wanders():
-    diagnosis = diagnose(measured(13, noise=wandering()), TWIN, commissioning=measured(1013))
+    diagnosis = diagnose(measured(13, noise=walking()), TWIN, commissioning=measured(1013))
     assert diagnosis.is_sound
     assert not diagnosis.doubts
 
@@ -202,7 +173,7 @@ def test_a_calm_run_beside_a_campaign_that_wanders():
 def test_an_effect_is_found_beside_a_walk():
     gain = 0.08 * (np.arange(20) == 4)
     high = lambda state, load, time: gain * TWIN.predict(state, load)  # noqa: E731
-    diagnosis = diagnose(measured(14, high, noise=wandering()), TWIN, commissioning=measured(1014, noise=wandering()))
+    diagnosis = diagnose(measured(14, high, noise=walking()), TWIN, commissioning=measured(1014, noise=walking()))
     first = diagnosis.which[0]
     assert first.effects == ("gauge_gain",)
     size = first.parameters[0]

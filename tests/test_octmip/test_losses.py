@@ -5,12 +5,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from octmip import AbsoluteError, Problem, SquaredError, certify, near_optimal, sensor_roles, solve
+from octmip import AbsoluteError, Problem, certify, near_optimal, sensor_roles, solve
 from octmip.errors import ProblemError
 from octmip.sensing.sensor_sets import shared_budget
 from octmip.trees.question.losses import SPELLINGS, ClassCosts, exact_sums, loss_of, number_loss
 from octmip.trees.runs.registry import lacked
-from octmip.trees.tradeoff import leaves_on_fresh_rows, trace_frontier
+from octmip.trees.tradeoff import leaves_on_fresh_rows
 
 LOSSES = {
     "classes": ClassCosts(),
@@ -106,12 +106,6 @@ def test_a_loss_asks_for_targets_of_its_kind():
 
 @pytest.mark.parametrize("method", ["exact", "search"])
 def test_what_no_solver_of_numbers_knows_is_refused_by_name(method):
-    lacking = FEATURES.copy()
-    lacking[0, 0] = np.nan
-    with pytest.raises(
-        ProblemError, match=f"method '{method}' with the loss 'absolute' does not know the problem's missing readings"
-    ):
-        solve(Problem(lacking, TARGETS, depth=1, loss=number_loss("absolute")), method)
     planes = Problem(FEATURES, TARGETS, depth=1, loss=number_loss("absolute"), split="hyperplane", integer_normals=3)
     with pytest.raises(ProblemError, match=r"integer_normals|finds no hyperplane trees"):
         solve(planes, method)
@@ -192,18 +186,3 @@ def test_what_is_asked_of_classes_alone_is_a_line_of_the_registry_and_refused_in
     ):
         ask(problem)
     assert asked in lacked("numbers", "call")
-
-
-@pytest.mark.parametrize("over", ["depth", "budget", "penalty"])
-def test_a_frontier_of_numbers_never_rises_and_its_bounds_hold(over):
-    rng = np.random.default_rng(4)
-    features = rng.normal(size=(40, 3))
-    problem = Problem(features, np.round(features[:, 0] * features[:, 1], 1), depth=2, loss=SquaredError())
-    points = trace_frontier(problem, over)
-    for point in points:
-        certify(point.problem, point.solution)
-        assert point.solution.is_optimal
-    trees = [point.solution.tree for point in points]
-    judged = problem.samples.weights, problem.samples.codes
-    plain = [problem.loss.cost(*judged, problem.predictions(tree), Fraction(0)) for tree in trees]
-    assert plain == sorted(plain, reverse=over != "penalty")

@@ -8,13 +8,17 @@ import pytest
 from sklearn.datasets import load_iris
 
 from octmip import Leaf, Limits, Problem, Stop, certify
-from octmip.trees.mip import engine, flow
+from octmip.trees.answer.certificate import first_forbidden_split
+from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
+from octmip.trees.mip import engine, flow, oct
+from octmip.trees.mip.blocks.heap import place, to_tree
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import highs
+from octmip.trees.mip.incumbent import canonicalise
 from octmip.trees.mip.oct import encode, solve_oct
 from octmip.trees.question.losses import ClassCosts
 from tests.oracles.enumeration import optimum
-from tests.oracles.strategies import random_problem
+from tests.oracles.strategies import random_problem, random_tree
 
 SOLVERS = {"oct": solve_oct, "flow": solve_flow}
 
@@ -62,18 +66,9 @@ def test_the_optimum_is_that_of_enumeration(method, case):
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
-    from octmip.trees.mip.flow import encode as encode_flow
-
     problem = CASES[case]
     for fix, class_count in ((0, True), (2, False)):
-        request = engine.Request("flow")
-        solution = engine.solve_formulation(
-            problem,
-            lambda problem, known, options, f=fix, k=class_count: encode_flow(
-                problem, known.tree, fix=f, class_count=k, prices=known.prices
-            ),
-            request,
-        )
+        solution = engine.solver_of("flow", partial(flow.formulate, fix=fix, class_count=class_count))(problem)
         assert solution.objective == pytest.approx(optimum(problem).objective, abs=1e-6)
         assert solution.is_optimal
 
@@ -181,3 +176,28 @@ def test_fixing_never_takes_away_the_optimum_at_depth_three(seed):
         certify(problem, solution)
         assert solution.objective == pytest.approx(optimum(problem).objective, rel=1e-6, abs=1e-6)
         assert solution.is_optimal
+
+
+# Without a solver: trees into solutions and back
+
+
+@pytest.mark.parametrize("encode", [oct.encode, lambda problem: flow.encode(problem, Leaf(0), fix=0)])
+@pytest.mark.parametrize("seed", range(15))
+def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(encode, seed):
+    rng = np.random.default_rng(seed)
+    problem = random_problem(rng, max_samples=10, max_depth=3)
+    samples = problem.samples
+    tree = canonicalise(problem, random_tree(rng, samples.n_features, samples.n_classes, problem.shape.depth))
+    if problem.shape.sensor_cost_of(tree) > problem.shape.sensor_limit or first_forbidden_split(problem, tree):
+        tree = Leaf(int(problem.class_costs().argmin()))
+    ranks = rank_features(problem)
+    tree = tree_from_rows(rows_from_tree(tree, ranks), ranks)  # thresholds at the midpoints of the data
+    model = encode(problem)
+    placed = place(tree, model.heap, problem.samples.features)
+    sizes = np.bincount(placed.position)
+    values = model.start(placed)
+    worst, where = model.rows.violation(values)
+    assert (worst < 1e-9) == (sizes[sizes > 0].min() >= problem.shape.leaf_size), where
+    assert model.rows.objective(values) == pytest.approx(problem.objective(tree))
+    decoded = to_tree(model.heap, model.splits(values), model.labels(values))
+    assert canonicalise(problem, decoded) == tree

@@ -1,8 +1,5 @@
 """Hyperplane formulations against the enumeration of every whole-numbered hyperplane, and against each other."""
 
-import itertools
-from functools import cache
-
 import numpy as np
 import pytest
 
@@ -16,6 +13,7 @@ from octmip.trees.mip.incumbent import canonicalise
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.nodes.tree import predict
 from octmip.trees.question.losses import ClassCosts
+from tests.oracles.rational import least_cost
 
 SOLVERS = {
     "oct_h": solve_oct_h,
@@ -50,51 +48,13 @@ CASES = {
 }
 
 
-def optimum(problem: Problem) -> float:
-    """Return the optimum over every hyperplane of whole coefficients, found by trying them all."""
-    budgets = [
-        chosen
-        for size in range(len(problem.shape.sensors) + 1)
-        for chosen in itertools.combinations(range(len(problem.shape.sensors)), size)
-        if problem.shape.sensor_costs[list(chosen)].sum() <= problem.shape.sensor_limit
-    ]
-    return min(_best(problem, set(chosen)) for chosen in budgets)
-
-
-def _best(problem: Problem, sensors: set[int]) -> float:
-    largest = range(-problem.shape.integer_normals, problem.shape.integer_normals + 1)
-    sides: dict[int, int] = {}  # mask of the samples on the left: fewest features that make it
-    for normal in itertools.product(largest, repeat=problem.samples.n_features):
-        read = tuple(j for j, a in enumerate(normal) if a)
-        is_paid = {int(problem.shape.sensor_index[j]) for j in read} <= sensors
-        if not read or not problem.shape.is_allowed(read) or not is_paid:
-            continue
-        totals = np.round(problem.samples.features * 10).astype(int) @ np.array(normal)
-        for value in np.unique(totals)[:-1]:
-            mask = sum(1 << int(i) for i in np.flatnonzero(totals <= value))
-            sides[mask] = min(sides.get(mask, 99), len(read))
-
-    @cache
-    def best(samples: int, depth: int) -> float:
-        rows = np.array([i for i in range(problem.samples.n_samples) if samples >> i & 1], dtype=np.int64)
-        found = float(problem.class_costs(rows).min())
-        for mask, features in sides.items() if depth else ():
-            left, right = samples & mask, samples & ~mask
-            if min(left.bit_count(), right.bit_count()) >= problem.shape.leaf_size:
-                penalty = features * problem.shape.leaf_penalty
-                found = min(found, best(left, depth - 1) + best(right, depth - 1) + penalty)
-        return found
-
-    return best((1 << problem.samples.n_samples) - 1, problem.shape.depth)
-
-
 @pytest.mark.parametrize("method", SOLVERS)
 @pytest.mark.parametrize("case", CASES)
 def test_the_optimum_is_that_of_enumeration(method, case):
     problem = CASES[case]
     solution = SOLVERS[method](problem)
     certify(problem, solution)
-    assert solution.objective == pytest.approx(optimum(problem), abs=1e-6)
+    assert solution.objective == pytest.approx(float(least_cost(problem)), abs=1e-6)
     assert solution.is_optimal
     assert solution.details["start"]["accepted"], solution.details["start"]
 
@@ -137,7 +97,7 @@ def test_a_normal_of_nothing_but_zeros_sends_everything_one_way(offset, side):
 def test_real_normals_are_no_worse_than_whole_ones_and_both_forms_agree():
     problem = whole(depth=1, integer_normals=None)
     printed, strong = solve_oct_h(problem), solve_flow(problem)
-    assert printed.objective == strong.objective <= optimum(whole(depth=1))
+    assert printed.objective == strong.objective <= float(least_cost(whole(depth=1)))
     assert "mu-separated" in printed.details["scope"]
     assert printed.details["mu"] == strong.details["mu"]
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from octmip import Leaf, Limits, Problem, Stop, certify
-from octmip.trees.mip import engine, prices
+from octmip.trees.mip import prices
 from octmip.trees.mip.blocks.hyperplanes import space_of
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import claims, highs, worker
@@ -227,12 +227,6 @@ def test_sensors_are_kept_within_a_budget_of_any_unit():
         problem = Problem(
             [[0, 0], [0, 1], [1, 0], [1, 1]], [0, 1, 1, 0], depth=2, sensor_cost=cost, sensor_budget=4 * unit
         )
-        solution = engine.solve_formulation(problem, _oct, engine.Request("oct"))
+        solution = solve_oct(problem)
         assert solution.objective == optimum(problem).objective
         assert solution.is_optimal
-
-
-def _oct(problem, known, options):
-    from octmip.trees.mip.oct import encode
-
-    return encode(problem, prices=known.prices, rows=known.rows)

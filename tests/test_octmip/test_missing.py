@@ -139,17 +139,6 @@ def test_a_tree_without_a_side_where_some_are_missing_has_no_certificate():
 # Proof logs
 
 
-@pytest.mark.parametrize("first", range(0, 20, 20))
-def test_every_log_of_a_problem_with_missing_proves_its_bound(first, tmp_path):
-    for seed in range(first, first + 20):
-        problem, log = problem_with_missing(seed), tmp_path / "proof.log"
-        solution = branch_and_bound(problem, options=ExactOptions(proof=log))
-        report = check_proof(problem, log, bound=solution.bound)
-        assert report.bound <= optimum(problem).objective * (1 + 1e-12), f"seed {seed}"
-        assert report.bound >= solution.objective - solution.tolerance, f"seed {seed}"
-        assert log.read_text().splitlines()[0] == "octmip-proof 3" + (" missing" if problem.samples.n_missing else "")
-
-
 def test_a_log_belongs_to_its_missing_readings(tmp_path):
     problem, log = Problem([[NAN], [1.0], [2.0]], [0, 0, 1], depth=1), tmp_path / "proof.log"
     branch_and_bound(problem, options=ExactOptions(proof=log))

@@ -17,6 +17,7 @@ from octmip.monitor import (
     grid_states,
     library_of,
 )
+from octmip.monitor.library import default_levels
 from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
 from tests.oracles.strategies import random_tree, trees
 from tests.test_octmip.beam_twin import Beam
@@ -227,3 +228,8 @@ def test_missing_gauges_leave_leaves_open_and_their_probabilities_add_up():
     assert got == pytest.approx(np.array(expected) @ likelihood.table(1.0))
     assert got[3] == pytest.approx([1.0, 1.0])
     assert len(leaves(tree)) == likelihood.n_leaves
+
+
+def test_levels_that_are_not_given_have_few_digits():
+    assert default_levels(0.35) == [0.0, 0.07, 0.14, 0.21, 0.28]
+    assert default_levels(1e-7 / 3.0)[1] == 6.66666666667e-09

@@ -8,6 +8,8 @@ from octmip.errors import ProblemError
 from octmip.monitor import (
     Candidate,
     Library,
+    ModelSelector,
+    Monitor,
     Watch,
     effect_candidates,
     explain,
@@ -16,6 +18,7 @@ from octmip.monitor import (
     library_of,
 )
 from octmip.monitor.parity import Parity
+from octmip.trees.nodes.tree import Leaf
 from tests.test_octmip.beam_twin import ETA, Field
 from tests.test_octmip.test_monitor_selector import LinearBeam
 
@@ -146,6 +149,48 @@ def test_a_faulty_gauge_is_named(watch, fault):
     assert findings[0].proposal is None
 
 
+def stream(watch, readings, load=3.0):
+    """Return the findings about one asset."""
+    monitor = Monitor(ModelSelector(watch.library, Leaf(0)), watch=watch)
+    found = [result.finding for result in monitor.run((load, row.tolist()) for row in readings)]
+    return [finding for finding in found if finding is not None]
+
+
+@pytest.fixture(scope="module")
+def placed(library) -> Watch:
+    return Watch(library, places=np.column_stack([ETA, np.zeros(20)]))
+
+
+def test_neighbours_that_begin_to_disagree_together_are_damage(placed, library):
+    rng, found = np.random.default_rng(8), []
+    for _ in range(20):
+        readings = 3.0 * library.strains[np.zeros(60, int)] + rng.normal(0.0, SD, (60, 20))
+        readings[25:, 9] += 150.0
+        readings[25:, 10] -= 50.0
+        found.append(stream(placed, readings)[-1])
+    assert np.mean([finding.kind == "unknown" for finding in found]) >= 0.95
+    assert all(set(finding.together) <= {"g09", "g10", "g11", "g12"} for finding in found)
+    assert "began to disagree together" in next(finding.words for finding in found if finding.together)
+
+
+@pytest.mark.parametrize(("second", "places"), [(10, True), (16, True), (16, False)])
+def test_gauges_that_fail_one_by_one_are_each_named(placed, library, second, places):
+    rng, named = np.random.default_rng(9), []
+    watch = placed if places else Watch(library)
+    for _ in range(20):
+        readings = 3.0 * library.strains[np.zeros(60, int)] + rng.normal(0.0, SD, (60, 20))
+        readings[20:, 9] += 150.0
+        readings[40:, second] = 0.0
+        named.append([(finding.kind, finding.name) for finding in stream(watch, readings)])
+    assert named.count([("gauge", "g10"), ("gauge", f"g{second + 1:02d}")]) >= 19
+
+
+def test_two_gauges_far_apart_that_fail_at_once_are_named(placed, library):
+    readings = 3.0 * library.strains[np.zeros(40, int)] + np.random.default_rng(1).normal(0.0, SD, (40, 20))
+    readings[10:, [2, 12]] += 90.0
+    assert {finding.name for finding in stream(placed, readings)} == {"g03", "g13"}
+
+
 def test_missing_gauges_are_done_without(watch):
     def gaps(k, x, load):
         x[:, k % 20] = np.nan
@@ -173,6 +218,8 @@ def test_a_watch_that_cannot_be_is_refused(library):
     with pytest.raises(ProblemError, match=r"rate is 1\.5"):
         Watch(library, rate=1.5)
     few = library_of(LinearBeam(), grid_states([(0.0, 0.4, 0.8), (0.0, 0.4)]), SD, gauges=("g01", "g16"))
+    with pytest.raises(ProblemError, match=r"places has shape \(20,\)"):
+        Watch(library, places=ETA)
     with pytest.raises(ProblemError, match="can explain any reading of 2 gauges"):
         Watch(few)
 

@@ -3,16 +3,23 @@
 The logs are written by `tests/oracles/proof_log.py`, which knows no solver.
 """
 
+import json
+import shutil
+
 import numpy as np
 import pytest
 
-from octmip import Problem
+from benchmarks.cases.fuzz import check_command
+from benchmarks.cases.fuzz.proofs import KINDS, corrupted
+from octmip import ExactOptions, Leaf, Limits, Problem, Split, solve
 from octmip.errors import CertificateError
-from octmip.trees.evidence.proof import check_proof
+from octmip.trees.evidence.proof import check_proof, checker_question
 from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem_file import data_digest, encode, question_digest
 from tests.oracles.enumeration import optimum
 from tests.oracles.proof_log import proof_log
 from tests.oracles.strategies import random_problem
+from tests.oracles.two_feature_problems import random_two_feature_problem
 
 STRIPES = Problem([[0.0], [1.0], [2.0], [3.0], [4.0], [5.0]], [0, 1, 0, 1, 0, 1], depth=2)
 
@@ -130,3 +137,65 @@ def test_a_log_of_another_problem_is_refused(log, options, line):
 def test_a_log_that_proves_less_than_is_claimed_for_a_tree_is_refused(log):
     with pytest.raises(CertificateError, match=r"line 5: the log proves 1\.0 but 2\.0 is claimed"):
         check_proof(STRIPES, log(proof_log(STRIPES)), bound=2.0)
+
+
+def test_a_log_proves_the_bound_where_labels_would_prove_more(tmp_path):
+    features = np.random.default_rng(0).normal(size=(40, 2))
+    problem = Problem(features, np.arange(40) % 5, depth=1, split="hyperplane", split_size=2, leaf_penalty=1.0)
+    log = tmp_path / "stopped.log"
+    stopped = solve(problem, "exact", Limits(seconds=0), options=ExactOptions(proof=log))
+    assert stopped.bound < problem.bound_by_labels
+    assert check_proof(problem, log, bound=stopped.bound).bound == stopped.bound
+
+
+@pytest.mark.parametrize("first", [2000, 2020])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_log_of_a_solver_proves_its_bound_and_no_corruption_that_changes_the_claim_is_accepted(kind, first):
+    assert not [seed for seed in range(first, first + 20) if corrupted(kind, seed)[1] == "wrong"]
+
+
+# Problem files and digests: what a program without Python reads is the problem that was asked
+
+
+def problems() -> list[Problem]:
+    """Return random problems of both kinds of splits, with every complication."""
+    streams = [np.random.default_rng([91, seed]) for seed in range(30)]
+    return [random_problem(rng) for rng in streams] + [
+        random_two_feature_problem(rng, depth=2, max_samples=9) for rng in streams
+    ]
+
+
+def test_the_checker_computes_the_digests_that_a_log_names() -> None:
+    for problem in problems():
+        assert checker_question(problem).digests() == (data_digest(problem), question_digest(problem))
+
+
+def test_every_limit_of_the_trees_is_part_of_what_is_asked() -> None:
+    old = {"old_tree": Split(0, 0.5, Leaf(0), Leaf(1))}
+    limits = [{}, {"leaf_weight": 2.0}, {"max_splits": 1}, old | {"max_changes": 0}, old | {"max_changes": 1}]
+    asked = [Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=2, **some) for some in limits]
+    assert len(set(map(question_digest, asked))) == len(asked)
+
+
+def test_a_file_holds_every_number_to_the_last_bit() -> None:
+    for problem in problems():
+        file = json.loads(json.dumps(encode(problem), allow_nan=False))
+        assert np.array_equal(file["features"], problem.samples.features)
+        assert np.array_equal(file["weights"], problem.samples.weights)
+        assert np.array_equal(file["costs"], problem.costs)
+        assert file["labels"] == problem.samples.codes.tolist()
+        assert file["sensor_limit"] == (problem.shape.sensor_limit if np.isfinite(problem.shape.sensor_limit) else None)
+
+
+# `octmip-check` reads mangled logs and problem files: refused in one line, or accepted for what is true
+
+
+@pytest.fixture(scope="module")
+def command():
+    return check_command.built()
+
+
+@pytest.mark.skipif(shutil.which("cargo") is None, reason="cargo, which builds octmip-check, is missing")
+def test_no_mangled_pair_of_files_is_accepted_for_more_than_is_true(command):
+    outcomes = {seed: check_command.corrupted(seed, command)[1] for seed in range(30)}
+    assert not {seed: outcome for seed, outcome in outcomes.items() if outcome not in ("refused", "true")}

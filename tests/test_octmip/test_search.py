@@ -1,17 +1,23 @@
 """Local search: what every tree it returns must hold, against enumeration and certificate."""
 
 import math
+import time
 
 import numpy as np
 import pytest
 
-from octmip import Leaf, Limits, Problem, Split, Stop, certify
+from octmip import HyperplaneSplit, Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.merging import merged
 from octmip.trees.methods.options import SearchOptions
+from octmip.trees.methods.polish import polished
 from octmip.trees.methods.search import local_search
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.nodes.tree import leaf_index, predict, splits
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem
+from tests.oracles.two_feature_problems import random_two_feature_problem
 
 NOISE = np.random.default_rng(1)
 LARGE = Problem(NOISE.normal(size=(400, 6)), NOISE.integers(0, 4, 400), depth=4)
@@ -126,3 +132,146 @@ def test_features_of_many_samples_are_compared_on_a_part_and_the_best_one_is_fou
     )
     assert found.tree.feature == 4
     assert found.objective == branch_and_bound(problem).objective
+
+
+# Lines of two features, whose moves ask the exact single-split solver, and hyperplanes
+
+
+def test_small_searches_are_never_better_than_the_proven_optimum_and_mostly_at_it():
+    n_hits = 0
+    for seed in range(24):
+        problem = random_two_feature_problem(np.random.default_rng([72, seed]), depth=1 + seed % 2, max_samples=30)
+        found, best = (
+            local_search(problem, seed=seed, options=SearchOptions(restarts=3)),
+            two_feature_branch_and_bound(problem),
+        )
+        certify(problem, found)
+        assert best.is_optimal
+        assert found.objective >= best.bound - best.tolerance
+        n_hits += found.objective <= best.objective + best.tolerance
+    assert n_hits >= 22
+
+
+def test_hyperplanes_are_never_worse_than_the_axis_aligned_search():
+    rng = np.random.default_rng(12)
+    for seed in range(10):
+        features, labels = rng.normal(size=(80, 4)), rng.integers(0, 3, 80)
+        options = {"depth": 2, "weights": rng.integers(1, 5, 80).astype(float)}
+        axis = local_search(Problem(features, labels, **options), seed=seed)
+        planes = local_search(
+            Problem(features, labels, split="hyperplane", **options), seed=seed, options=SearchOptions(restarts=2)
+        )
+        assert planes.objective <= axis.objective
+
+
+def test_one_hyperplane_separates_what_one_can():
+    rng = np.random.default_rng(13)
+    features = rng.normal(size=(200, 5))
+    labels = features @ [1.0, -2.0, 0.5, 0.0, 3.0] > 0.3
+    solution = local_search(Problem(features, labels, depth=1, split="hyperplane"))
+    assert solution.objective == 0
+    assert solution.is_optimal
+    assert isinstance(solution.tree, HyperplaneSplit)
+
+
+@pytest.mark.parametrize("most", [1, 3])
+def test_integer_normals_are_integers_within_their_limit(most):
+    rng = np.random.default_rng(16)
+    features = rng.normal(size=(120, 3))
+    labels = features @ [1.0, 1.0, -1.0] > 0.2
+    problem = Problem(features, labels, depth=1, split="hyperplane", integer_normals=most)
+    solution = local_search(problem)
+    assert solution.objective == 0
+    for split in splits(solution.tree):
+        if isinstance(split, HyperplaneSplit):
+            assert all(c == math.floor(c) and abs(c) <= most for c in split.coefficients)
+
+
+# The whole range of float64: the search ends, warns of nothing, and its trees are certified
+
+
+LARGEST, TINIEST, NORMAL = np.finfo(np.float64).max, 5e-324, np.finfo(np.float64).tiny
+BELOW_ONE, ABOVE_ONE = np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)
+VALUES = [
+    TINIEST,
+    -TINIEST,
+    NORMAL,
+    1e-300,
+    1e300,
+    -1e300,
+    LARGEST,
+    -LARGEST,
+    0.0,
+    -0.0,
+    1.0,
+    ABOVE_ONE,
+    BELOW_ONE,
+    3.0,
+]
+
+
+def test_features_in_other_units_by_powers_of_two_get_the_same_tree():
+    rng = np.random.default_rng(22)
+    features, labels = rng.normal(size=(60, 3)), rng.integers(0, 2, 60)
+    units = 2.0 ** np.array([700.0, -900.0, 3.0])
+    options = {"depth": 2, "split": "hyperplane", "split_size": 2}
+    plain, scaled = (
+        local_search(Problem(values, labels, **options), options=SearchOptions(restarts=2, perturbations=6))
+        for values in (features, features * units)
+    )
+    assert np.array_equal(predict(plain.tree, features), predict(scaled.tree, features * units))
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.05])
+def test_a_large_hyperplane_problem_ends_with_its_limit(seconds):
+    rng = np.random.default_rng(25)
+    problem = Problem(rng.normal(size=(4000, 40)), rng.integers(0, 4, 4000), depth=8, split="hyperplane")
+    start = time.process_time()
+    certify(problem, local_search(problem, limits=Limits(seconds=seconds)))
+    assert time.process_time() - start < 5.0
+
+
+def test_polishing_keeps_every_sample_of_extreme_values_in_its_leaf():
+    rng = np.random.default_rng(27)
+    sizes = [value for value in VALUES if value]
+    for _ in range(120):
+        points = rng.choice(VALUES, (8, 2))
+        problem = Problem(points, np.arange(8) % 2, depth=1, split="hyperplane")
+        normal = tuple(rng.choice(sizes, 2).tolist())
+        with np.errstate(over="ignore", invalid="ignore"):
+            offset = float(np.nan_to_num(points[0] @ normal))
+        plane = HyperplaneSplit((0, 1), normal, offset, Leaf(0), Leaf(1))
+        assert np.array_equal(leaf_index(polished(problem, plane), points), leaf_index(plane, points))
+
+
+# Equal samples merged: the trees of one problem are those of the other, and the search cannot tell them apart
+
+
+FEATURES = [[1.0, 2.0], [0.0, 5.0], [1.0, 2.0], [1.0, 2.0], [-0.0, 5.0]]
+
+
+def test_rows_without_weight_are_left_out_unless_they_make_up_a_class_or_lie_far_outside():
+    problem = Problem(FEATURES, ["a", "b", "a", "b", "b"], depth=1, weights=[1, 2, 0, 4, 0])
+    assert merged(problem)[0].samples.n_samples == 3
+    assert merged(problem.replace(weights=[1, 0, 3, 0, 0]))[0].samples.n_samples == 3
+    far = Problem([*FEATURES, [1e300, 0.0]], ["a", "b", "a", "b", "b", "a"], depth=1, weights=[1, 2, 3, 4, 1, 0])
+    assert merged(far)[0].samples.n_samples == 4
+
+
+@pytest.mark.parametrize("options", [{}, {"split": "hyperplane"}, {"split": "hyperplane", "split_size": 2}])
+def test_weights_and_repeated_rows_in_any_order_get_the_same_tree(options):
+    rng = np.random.default_rng(31)
+    for seed in range(4):
+        features = np.round(rng.normal(size=(40, 3)), 1)
+        labels, weights = rng.integers(0, 3, 40), rng.integers(0, 4, 40)
+        labels[:3], weights[:3] = [0, 1, 2], 1
+        weighed = Problem(features, labels, depth=3, weights=weights.astype(float), **options)
+        rows = rng.permutation(np.repeat(np.arange(40), weights))
+        repeated = Problem(features[rows], labels[rows], depth=3, **options)
+        first, second = (
+            local_search(problem, seed=seed, options=SearchOptions(restarts=2, perturbations=4))
+            for problem in (weighed, repeated)
+        )
+        certify(weighed, first)
+        assert first.tree == second.tree
+        assert first.objective == second.objective

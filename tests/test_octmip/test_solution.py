@@ -1,12 +1,19 @@
 """Solutions and limits: derived numbers agree with the claims they derive from."""
 
+import dataclasses
 import math
 
+import numpy as np
 import pytest
 
-from octmip import HyperplaneSplit, Leaf, Limits, Solution, Split, Stop
+from octmip import HyperplaneSplit, Leaf, Limits, Problem, Solution, Split, Stop
 from octmip.errors import ProblemError, SolverError
+from octmip.interfaces.report.markdown import markdown_table
+from octmip.interfaces.report.text import solution_text, tree_text
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.scope import within
 from octmip.trees.answer.solution import relative_gap
+from octmip.trees.methods.cart import greedy_tree
 
 
 def solution(objective=10.0, bound=8.0, tree=Leaf(0), **changes):  # noqa: B008 (frozen)
@@ -79,3 +86,46 @@ def test_a_solution_prints_what_was_found_and_proven():
     assert str(solution(bound=10.0)).startswith("objective 10, bound 10: proven optimal\n")
     assert str(solution(bound=-math.inf)).startswith("objective 10, bound -inf: no proof\n")
     assert str(solution(objective=math.inf, bound=3.0, tree=None)).startswith("no tree found, bound 3\n")
+
+
+# Reports say what the tree says
+
+
+TREE = Split(0, 0.5, Leaf(1), HyperplaneSplit((0, 1), (-2.0, 1.0), 1 / 3, Leaf(0), Leaf(1)))
+FEATURES, CLASSES = ('a"1', "b<2"), ("no & never", "yes")
+
+
+def problem() -> Problem:
+    features = np.array([[0.0, 1], [1, 1], [2, 9], [3, 0]])
+    return Problem(features, ["yes", "no & never", "yes", "yes"], depth=2, feature_names=FEATURES)
+
+
+def test_a_tree_in_words():
+    counts = np.array([[0, 3], [2, 1], [0, 1]])
+    assert tree_text(TREE, ("a", "b"), ("no", "yes"), counts).splitlines() == [
+        "if a <= 0.5",
+        "    yes    (3 samples)",
+        "else",
+        "    if -2 a + b <= 0.3333333333333333",
+        "        no    (3 samples, 1 wrong)",
+        "    else",
+        "        yes    (1 sample)",
+    ]
+
+
+def test_a_bound_over_some_trees_says_over_which():
+    claim = dataclasses.replace(
+        greedy_tree(problem()), bound=0.0, stop=Stop.OPTIMAL, details={"scope": within(problem(), "small trees")}
+    )
+    text = solution_text(problem(), claim, certify(problem(), claim))
+    assert text.startswith("objective 0, bound 0: proven optimal among small trees, of depth 2 or less\n")
+
+
+def test_a_markdown_table_is_aligned_and_shows_unknown_as_dash():
+    table = markdown_table([{"method": "cart", "bound": None}, {"method": "a|b", "bound": 1.5}])
+    assert table.splitlines() == [
+        "| method | bound |",
+        "| ------ | ----: |",
+        "| cart   |     - |",
+        r"| a\|b   |   1.5 |",
+    ]

@@ -2,7 +2,10 @@
 
 import gzip
 import io
+from collections.abc import Callable
 from itertools import product
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -51,64 +54,74 @@ def test_columns_come_as_numbers_and_labels(tmp_path, suffix):
     assert table.labels("b").tolist() == [True, False]
 
 
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("", "is empty"),
-        ("x,y\n", "2 columns and 0 rows"),
-        ("x,x,y\n1,2,a\n", "column 'x' 2 times"),
-        ("a,b,y\n1,2,u\n2,v\n", "line 3: 2 cells but the header has 3; give every row one for each column"),
-        ('x,y\n"1\n",a\n\n2\n', "line 5: 1 cell but the header has 2"),
-        ("x,y\n1,a\n2,b,c\n", "line 3: 3 cells but the header has 2"),
-        ("x,y\n1,a,7\n2,b,7\n", "line 2: 3 cells but the header has 2"),
-        ("x,,y\n0,1,a\n1,2,b\n", "line 1: column 2 has no name"),
-        (",x,y\n0,1,a\n0,2,b\n", "line 1: column 1 has no name"),
-        ('x,y\n1,"a\n2,b\n', "line 2 or below is not valid CSV .*close its quotation mark"),
-        ('x,y\n"1","-0\n"2","b"\n"3","c"\n', "line 2: 3 cells but the header has 2"),
-        ('x,y\n"1","a"\n"2,"b"\n"3","c"\n', "line 3: 1 cell but the header has 2"),
-        ("x,y\n1," + "a" * 200_000 + "\n", "line 2: field larger than field limit"),
-    ],
-)
-def test_a_file_that_is_no_table_is_refused(tmp_path, text, sentence):
+REFUSED: dict[str, tuple[Callable[[Path], Any], list[tuple[str, str]]]] = {
+    "a table": (
+        read_table,
+        [
+            ("", "is empty"),
+            ("x,y\n", "2 columns and 0 rows"),
+            ("x,x,y\n1,2,a\n", "column 'x' 2 times"),
+            ("a,b,y\n1,2,u\n2,v\n", "line 3: 2 cells but the header has 3; give every row one for each column"),
+            ('x,y\n"1\n",a\n\n2\n', "line 5: 1 cell but the header has 2"),
+            ("x,y\n1,a\n2,b,c\n", "line 3: 3 cells but the header has 2"),
+            ("x,y\n1,a,7\n2,b,7\n", "line 2: 3 cells but the header has 2"),
+            ("x,,y\n0,1,a\n1,2,b\n", "line 1: column 2 has no name"),
+            (",x,y\n0,1,a\n0,2,b\n", "line 1: column 1 has no name"),
+            ('x,y\n1,"a\n2,b\n', "line 2 or below is not valid CSV .*close its quotation mark"),
+            ('x,y\n"1","-0\n"2","b"\n"3","c"\n', "line 2: 3 cells but the header has 2"),
+            ('x,y\n"1","a"\n"2,"b"\n"3","c"\n', "line 3: 1 cell but the header has 2"),
+            ("x,y\n1," + "a" * 200_000 + "\n", "line 2: field larger than field limit"),
+        ],
+    ),
+    "a feature": (
+        lambda path: read_table(path).numbers(["x"]),
+        [
+            ("x,y\n1,a\nlow,b\n", "line 3, column 'x': 'low' is no number"),
+            ("x,y\n1,a\n\n,b\n", "line 4, column 'x': the feature is empty"),
+            ("x,y\n1,a\nnan,b\n", "line 3, column 'x'"),
+            ("x,y\n1,a\ninf,b\n", "line 3, column 'x': inf is not finite"),
+            ("x,y\n1,a\n9007199254740993,b\n", "line 3, column 'x': 9007199254740993 is beyond 2"),
+            ('x,y\n1,"a\nb"\n?,b\n', "line 4, column 'x'"),
+            ("z,y\n1,a\n", "no column 'x'; expected the feature among its 2 columns"),
+        ],
+    ),
+    "a class": (
+        lambda path: read_table(path).labels("y"),
+        [(f"y\n1\n2\n{word}\n", r"line 4, column 'y': .* among numbers") for word in ("NA", "None", "?")],
+    ),
+    "a label": (
+        lambda path: read_table(path).labels("y", known=["a", "b"]),
+        [
+            ("x,y\n1,a\n2,\n", "line 3, column 'y': the label is empty"),
+            ("x,y\n1,a\n2,c\n", "line 3, column 'y': label 'c' was not seen at training"),
+            ("x,z\n1,a\n2,c\n", "no column 'y'; expected the label"),
+        ],
+    ),
+    "costs": (
+        lambda path: read_costs(path, ["a", "b"]),
+        [
+            ("true,a,b\na,0,1\n", "rows 'a'; expected each of the classes"),
+            ("true,a,c\na,0,1\nb,1,0\n", "columns 'a', 'c'; expected each"),
+            ("true,a,b\na,0,x\nb,1,0\n", "'x' is no number, and a cost"),
+            ("predicted,a,b\na,0,1\nb,1,0\n", "rows for 'predicted' classes; expected one for each true class"),
+        ],
+    ),
+    "sensors": (
+        lambda path: read_sensors(path, ["a", "b"]),
+        [
+            ("sensor,cost\na,1\n", "names the feature 'b' 0 times"),
+            ("sensor,cost\na,1\na,2\nb,1\n", "names the feature 'a' 2 times"),
+            ("feature,sensor,cost\na,left,1\nb,left,2\n", "sensor 'left' two costs, 1.0 and 2.0"),
+            ("sensor,price\na,1\nb,1\n", "no column 'cost'"),
+        ],
+    ),
+}
+
+
+@pytest.mark.parametrize(("ask", "text", "sentence"), [(ask, *row) for ask, found in REFUSED.values() for row in found])
+def test_what_is_wrong_in_a_table_is_refused_with_its_place(tmp_path, ask, text, sentence):
     with pytest.raises(DataError, match=sentence):
-        read_table(csv_file(tmp_path, text))
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("x,y\n1,a\nlow,b\n", "line 3, column 'x': 'low' is no number"),
-        ("x,y\n1,a\n\n,b\n", "line 4, column 'x': the feature is empty"),
-        ("x,y\n1,a\nnan,b\n", "line 3, column 'x'"),
-        ("x,y\n1,a\ninf,b\n", "line 3, column 'x': inf is not finite"),
-        ("x,y\n1,a\n9007199254740993,b\n", "line 3, column 'x': 9007199254740993 is beyond 2"),
-        ('x,y\n1,"a\nb"\n?,b\n', "line 4, column 'x'"),
-        ("z,y\n1,a\n", "no column 'x'; expected the feature among its 2 columns"),
-    ],
-)
-def test_a_wrong_feature_is_refused_with_its_place(tmp_path, text, sentence):
-    table = read_table(csv_file(tmp_path, text))
-    with pytest.raises(DataError, match=sentence):
-        table.numbers(["x"])
-
-
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("x,y\n1,a\n2,\n", "line 3, column 'y': the label is empty"),
-        ("x,y\n1,a\n2,c\n", "line 3, column 'y': label 'c' was not seen at training"),
-        ("x,z\n1,a\n2,c\n", "no column 'y'; expected the label"),
-    ],
-)
-def test_a_wrong_label_is_refused_with_its_place(tmp_path, text, sentence):
-    with pytest.raises(DataError, match=sentence):
-        read_table(csv_file(tmp_path, text)).labels("y", known=["a", "b"])
-
-
-@pytest.mark.parametrize("word", ["NA", "None", "?"])
-def test_a_word_for_missing_among_numbers_is_no_class(tmp_path, word):
-    with pytest.raises(DataError, match=r"line 4, column 'y': .* among numbers"):
-        read_table(csv_file(tmp_path, f"y\n1\n2\n{word}\n")).labels("y")
+        ask(csv_file(tmp_path, text))
 
 
 def test_a_row_of_codes_below_others_is_no_row_of_units(tmp_path):
@@ -123,11 +136,8 @@ def test_rows_are_kept_by_what_they_lack(rows, kept, tmp_path):
     assert "".join(table.frame["name"]) == kept
 
 
-def test_labels_of_mixed_kind_are_text(tmp_path):
+def test_labels_of_mixed_kind_are_text_and_words_that_look_like_numbers_stay_words(tmp_path):
     assert read_table(csv_file(tmp_path, "y\n1\nb\n")).labels("y").tolist() == ["1", "b"]
-
-
-def test_words_that_look_like_numbers_stay_words(tmp_path):
     pd.DataFrame({"y": ["1", "2"]}).to_parquet(tmp_path / "data.parquet")
     assert read_table(tmp_path / "data.parquet").labels("y").tolist() == ["1", "2"]
 
@@ -187,20 +197,6 @@ def test_costs_are_read_in_any_order(tmp_path, text):
     assert read_costs(csv_file(tmp_path, text), ["a", "b"]).tolist() == [[0, 10], [1, 0]]
 
 
-@pytest.mark.parametrize(
-    ("text", "sentence"),
-    [
-        ("true,a,b\na,0,1\n", "rows 'a'; expected each of the classes"),
-        ("true,a,c\na,0,1\nb,1,0\n", "columns 'a', 'c'; expected each"),
-        ("true,a,b\na,0,x\nb,1,0\n", "'x' is no number, and a cost"),
-        ("predicted,a,b\na,0,1\nb,1,0\n", "rows for 'predicted' classes; expected one for each true class"),
-    ],
-)
-def test_wrong_costs_are_refused(tmp_path, text, sentence):
-    with pytest.raises(DataError, match=sentence):
-        read_costs(csv_file(tmp_path, text), ["a", "b"])
-
-
 WRITTEN = """y,money,share,day,mixed
 a,"$1,000.50",5%,2025-03-04,$5
 b,$3,12.5%,2025-03-05,7
@@ -222,31 +218,16 @@ def test_targets_weights_and_costs_are_read_as_they_are_written(tmp_path):
     assert read_sensors(path, ["a"]).cost == {"a": 1200}
 
 
-def test_sensors_of_single_features(tmp_path):
-    sensors = read_sensors(csv_file(tmp_path, "sensor,cost\nb,2\na,1\nunused,9\n"), ["a", "b"])
-    assert sensors.of_feature == ("a", "b")
-    assert sensors.cost == {"a": 1, "b": 2}
-
-
-def test_sensors_that_give_several_features(tmp_path):
-    text = "feature,sensor,cost\na,left,1\nb,left,1\nc,right,2\n"
-    sensors = read_sensors(csv_file(tmp_path, text), ["a", "b", "c"])
-    assert sensors.of_feature == ("left", "left", "right")
-    assert sensors.cost == {"left": 1, "right": 2}
-
-
 @pytest.mark.parametrize(
-    ("text", "sentence"),
+    ("text", "of_feature", "cost"),
     [
-        ("sensor,cost\na,1\n", "names the feature 'b' 0 times"),
-        ("sensor,cost\na,1\na,2\nb,1\n", "names the feature 'a' 2 times"),
-        ("feature,sensor,cost\na,left,1\nb,left,2\n", "sensor 'left' two costs, 1.0 and 2.0"),
-        ("sensor,price\na,1\nb,1\n", "no column 'cost'"),
+        ("sensor,cost\nb,2\na,1\nunused,9\n", ("a", "b"), {"a": 1, "b": 2}),
+        ("feature,sensor,cost\na,left,1\nb,left,1\nc,right,2\n", ("left", "left", "right"), {"left": 1, "right": 2}),
     ],
 )
-def test_wrong_sensors_are_refused(tmp_path, text, sentence):
-    with pytest.raises(DataError, match=sentence):
-        read_sensors(csv_file(tmp_path, text), ["a", "b"])
+def test_sensors_give_one_feature_or_several(tmp_path, text, of_feature, cost):
+    sensors = read_sensors(csv_file(tmp_path, text), ["a", "b", "c"][: len(of_feature)])
+    assert (sensors.of_feature, sensors.cost) == (of_feature, cost)
 
 
 @pytest.mark.parametrize(

@@ -6,14 +6,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from octmip import Limits, Problem, Stop, certify
-from octmip.errors import ProblemError
+from octmip import ClassCosts, Limits, Problem, Stop, certify
+from octmip.errors import CertificateError, ProblemError
+from octmip.trees import _native
+from octmip.trees.evidence.proof import check_proof
+from octmip.trees.methods.native_call import without
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.nodes.tree import HyperplaneSplit, Split, splits
 from octmip.trees.question.problem import Problem as AnyProblem
 from tests.oracles.rational import least_cost
-from tests.oracles.two_feature_problems import random_two_feature_problem
+from tests.oracles.two_feature_problems import clouds, random_two_feature_problem
 
 
 def solve_and_certify(problem: AnyProblem, **options: object) -> float:
@@ -131,3 +134,94 @@ def test_a_memory_limit_stops_the_search_with_a_tree_and_a_bound() -> None:
     solution = two_feature_branch_and_bound(problem, limits=Limits(memory=2e6))
     certify(problem, solution)
     assert solution.stop is Stop.MEMORY
+
+
+# Proof logs of two-feature trees: accepted where they are true, refused with line and reason elsewhere
+
+
+def test_logs_of_larger_problems_are_checked_on_several_threads(tmp_path: Path) -> None:
+    path = tmp_path / "proof.log"
+    for seed in (2, 6, 9):
+        problem = clouds(seed, most_samples=140)
+        solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=path), n_jobs=2)
+        assert check_proof(problem, path, n_jobs=2).bound == solution.objective
+
+
+def log_of(problem: Problem, path: Path) -> list[str]:
+    two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
+    return path.read_text().split("\n")
+
+
+def test_a_log_is_bound_to_its_samples_and_its_question(tmp_path: Path) -> None:
+    problem = clouds(2, most_samples=100)
+    path = tmp_path / "proof.log"
+    log_of(problem, path)
+    other = problem.replace(features=problem.samples.features * 2)
+    with pytest.raises(CertificateError, match="line 2"):
+        check_proof(other, path)
+    with pytest.raises(CertificateError, match="line 3"):
+        check_proof(problem.replace(leaf_penalty=1), path)
+
+
+def test_deeper_trees_have_no_logs() -> None:
+    problem = Problem(np.eye(4), [0, 1, 0, 1], depth=3, split="hyperplane", split_size=2)
+    with pytest.raises(ProblemError, match="depth 3 with 2 features per split has no proof log"):
+        check_proof(problem, "nowhere.log")
+
+
+# Every prune and bound of the two-feature core can be switched off, and the optimum stays
+
+
+PRUNES = _native.two_feature_prunes()
+
+
+def optimum(problem: Problem, off: list[str]) -> float:
+    with without(*off):
+        solution = two_feature_branch_and_bound(problem)
+    assert solution.is_optimal
+    return solution.objective
+
+
+def variants(problem: Problem) -> list[Problem]:
+    """Return the problem with weights, graded costs, and leaf size and penalty."""
+    rng = np.random.default_rng(0)
+    k = problem.samples.n_classes
+    return [
+        problem.replace(weights=rng.integers(1, 4, problem.samples.n_samples).astype(float)),
+        problem.replace(loss=ClassCosts(np.abs(np.subtract.outer(np.arange(k), np.arange(k))).astype(float))),
+        problem.replace(leaf_size=9, leaf_penalty=2.0),
+    ]
+
+
+@pytest.mark.parametrize("off", PRUNES)
+def test_the_optimum_stays_without(off: str) -> None:
+    for seed in (4, 355):
+        problem = clouds(seed, most_samples=130)
+        for variant in [problem, *variants(problem)]:
+            assert optimum(variant, [off]) == optimum(variant, [])
+
+
+def test_the_optimum_stays_without_any_of_many_together() -> None:
+    rng = np.random.default_rng(7)
+    for seed in range(6):
+        problem = clouds(seed, most_samples=110)
+        off = [name for name in PRUNES if name != "narrow" and rng.random() < 0.5]
+        assert optimum(problem, off) == optimum(problem, []), off
+
+
+@pytest.mark.parametrize(("seed", "best"), [(177, 14), (98, 39), (355, 4), (279, 59)])
+def test_what_more_samples_teach_about_a_strip_is_not_held_against_fewer(seed: int, best: int) -> None:
+    """Slope intervals bounded with open samples once counted as bounded without: these optima came out too high."""
+    problem = clouds(seed)
+    assert optimum(problem, []) == optimum(problem, ["wide"]) == best
+
+
+@pytest.mark.parametrize("seed", [0, 4, 8, 21])
+def test_what_one_set_of_sensors_teaches_is_not_used_under_another(seed: int) -> None:
+    """Good lines of other nodes once served sets that may not read their sensors: the tree was over its budget."""
+    problem = clouds(seed, most_samples=130)
+    budget = problem.replace(sensor_budget=problem.samples.n_features - 1.0)
+    solution = two_feature_branch_and_bound(budget)
+    certify(budget, solution)
+    assert solution.is_optimal
+    assert solution.objective >= optimum(problem, [])

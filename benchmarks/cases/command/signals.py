@@ -63,10 +63,10 @@ def results(limit: float, threads: Sequence[int], only: str = "") -> Iterator[Li
             yield from signalled(command, Path(folder), N_MOMENTS, own_seconds(command, Path(folder)))
 
 
-def prepare(folder: Path) -> None:
-    """Write the tables, the tree, the proof and the twin that the commands work on."""
+def prepare(folder: Path, n_long: int = 200_000) -> None:
+    """Write the tables, the tree, the proof and the twin that the commands work on; `predict` reads the long table."""
     rng = np.random.default_rng(STREAM)
-    for name, n_rows in (("hard", 2000), ("small", 250), ("long", 200_000)):
+    for name, n_rows in (("hard", 2000), ("small", 250), ("long", n_long)):
         frame = pd.DataFrame(rng.normal(size=(n_rows, 8)).round(3), columns=[f"x{k}" for k in range(8)])
         frame.assign(y=rng.integers(0, 3, n_rows)).to_csv(folder / f"{name}.csv", index=False)
     (folder / "tables").mkdir()

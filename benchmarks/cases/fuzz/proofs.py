@@ -97,6 +97,7 @@ def corrupted(kind: str, seed: int) -> tuple[str, str]:
         path = Path(folder) / "proof.log"
         solution = solve(problem, "exact", options=ExactOptions(proof=path))
         check_proof(problem, path, bound=solution.bound)
+        assert solution.is_optimal or kind == "numbers", "the log proves less than the optimum"
         corruption = str(rng.choice(CORRUPTIONS))
         if corruption == "tree":
             return corruption, _of_tree(rng, problem, solution)

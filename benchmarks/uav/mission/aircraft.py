@@ -55,12 +55,10 @@ class Aircraft:
         its strains.
     gauges
         that are read.
-    capable
-        what the wing bears.
-    trees
-        the trees for mu1 and mu2 of least absolute error.
+    capable, believed
+        what the wing bears, and what its policies take it to bear.
     selector
-        both as one tree.
+        the trees for mu1 and mu2 of least absolute error, as one tree.
     """
 
     source: str
@@ -68,7 +66,7 @@ class Aircraft:
     twin: TableTwin
     gauges: tuple[str, ...]
     capable: Capable
-    trees: tuple[TreeFile, ...]
+    believed: Capable
     selector: ModelSelector
 
     def strains(self, states: Floats) -> Floats:
@@ -94,7 +92,9 @@ class Aircraft:
         levels = np.linspace(0.0, 0.8, 9).tolist()
         library = library_of(self.twin, grid_states([levels, levels]), NOISE_SD, gauges=self.gauges)
         effect = self.twin.effects["damage_outside_library"]
-        return Watch(library, effect_candidates(self.twin, effect, library, (20.0, 40.0, 80.0)))
+        assert self.twin.gauge_positions is not None
+        places = self.twin.gauge_positions[[self.twin.gauges.index(gauge) for gauge in self.gauges]]
+        return Watch(library, effect_candidates(self.twin, effect, library, (20.0, 40.0, 80.0)), places=places)
 
 
 class _EffectOfWing:
@@ -112,8 +112,13 @@ class _EffectOfWing:
         return np.asarray(self.effect.signature(self.twin, {}, load_factor, place))
 
 
-def build_aircraft(folder: Path, strains: str | None = None, seed: int = 0, depth: int = 3) -> Aircraft:
-    """Return the aircraft; its trees are read from `folder` when they are there for the same data, else solved."""
+def build_aircraft(
+    folder: Path, strains: str | None = None, seed: int = 0, depth: int = 3, *, is_coarse: bool = False
+) -> Aircraft:
+    """Return the aircraft; its trees are read from `folder` when they are there for the same data, else solved.
+
+    `is_coarse`: its policies believe the capability of a mesh without close lines at the regions.
+    """
     outside = _EffectOfWing()
     effects = {"damage_outside_library": outside}
     wing = outside.twin.wing
@@ -132,10 +137,12 @@ def build_aircraft(folder: Path, strains: str | None = None, seed: int = 0, dept
         data = build_dataset(table, Recipe(), seed=seed)
     twin = TableTwin.of(table, effects)  # type: ignore[arg-type]
     places = wing.gauges.position[[wing.gauges.names.index(gauge) for gauge in twin.gauges], :2]
-    twin = replace(twin, gauge_positions=places, outline=wing.outline())
+    twin = replace(twin, gauge_positions=places)
     library = library_of(twin, grid_states([LEVELS, LEVELS]), NOISE_SD, gauges=data.gauges)
     trees = tuple(_tree(folder, data, label, depth) for label in ("mu1", "mu2"))
-    return Aircraft(data.source, wing, twin, data.gauges, capable_wing(folder), trees, _selector(library, trees))
+    capable = capable_wing(folder)
+    believed = capable_wing(folder, 0.0) if is_coarse else capable
+    return Aircraft(data.source, wing, twin, data.gauges, capable, believed, _selector(library, trees))
 
 
 def _selector(library: Library, files: Sequence[TreeFile]) -> ModelSelector:

@@ -1,7 +1,7 @@
 """The course: three obstacles, a tight line that takes turns of 3 g and a wide one that never asks for more than 2 g.
 
 Both lines are cosine bumps y = A (1 + cos(pi (x - x_j) / l)) / 2 round each obstacle j at x_j. A turn of curvature c at
-speed V loads the wing with sqrt(1 + (c V^2 / g)^2), and a bump's largest curvature is A (pi / l)^2 / 2. The aircraft
+V = 25 m/s loads the wing with sqrt(1 + (c V^2 / g)^2), and a bump's largest curvature is A (pi / l)^2 / 2. The aircraft
 changes from line to line within a few steps, and as all that lies between the lines is free, any mixture is a way.
 """
 
@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-SPEED, STEP_LENGTH, GRAVITY = 25.0, 8.0, 9.81
-"""[m/s], [m] flown in a step (0.32 s), [m/s^2]."""
+STEP_LENGTH = 8.0
+"""Flown in a step of 0.32 s [m]."""
 SPACING = 226.0
 OBSTACLES = (0.5 * SPACING, 1.5 * SPACING, 2.5 * SPACING)
 """Places of the obstacles along the course [m]."""
-RADIUS = 18.0
 GOAL = 3 * SPACING
 TIGHT, WIDE = (30.0, 57.8), (69.5, 0.5 * SPACING)
 """Height A and half length l of the bumps of each line [m]."""
@@ -24,30 +23,14 @@ SWITCH = 0.08
 
 
 def _bump(x: Floats, size: tuple[float, float], order: int) -> Floats:
-    """Return a line's height (order 0), slope (1) or curvature (2) at x."""
+    """Return a line's height (order 0) or slope (1) at x."""
     height, half = size
     away = np.min(np.abs(x[..., None] - np.array(OBSTACLES)), axis=-1)
     sign = np.sign(x - np.array(OBSTACLES)[np.argmin(np.abs(x[..., None] - np.array(OBSTACLES)), axis=-1)])
     phase = np.pi * np.minimum(away, half) / half
     if order == 0:
         return np.asarray(height * (1 + np.cos(phase)) / 2)
-    if order == 1:
-        return np.asarray(-sign * height * np.pi / half * np.sin(phase) / 2)
-    return np.asarray(np.where(away < half, -height * (np.pi / half) ** 2 * np.cos(phase) / 2, 0.0))
-
-
-def height(x: Floats, width: Floats) -> Floats:
-    """Return y at x of the line that is a share `width` of the way from the tight to the wide one [m]."""
-    return np.asarray((1 - width) * _bump(x, TIGHT, 0) + width * _bump(x, WIDE, 0))
-
-
-def largest_load(width: float) -> float:
-    """Return the largest load factor on a line."""
-    x = np.linspace(0.0, GOAL, 4001)
-    slope = (1 - width) * _bump(x, TIGHT, 1) + width * _bump(x, WIDE, 1)
-    bend = (1 - width) * _bump(x, TIGHT, 2) + width * _bump(x, WIDE, 2)
-    curvature = np.abs(bend) / (1 + slope**2) ** 1.5
-    return float(np.sqrt(1 + (curvature.max() * SPEED**2 / GRAVITY) ** 2))
+    return np.asarray(-sign * height * np.pi / half * np.sin(phase) / 2)
 
 
 def advance(x: Floats, width: Floats, is_cautious: NDArray[np.bool_]) -> tuple[Floats, Floats]:

@@ -1,4 +1,4 @@
-"""Histories of the wing: damage over time, gauges that fail, damage where the library has none."""
+"""Histories of the wing: damage over time, and gauges that fail."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ STEPS = 100
 """Steps in which damage goes from 0 to 80 % in the paper's mission."""
 MOST_STEPS = 110
 """Steps after which every aircraft has arrived."""
-KINDS = ("paper", "own rate", "sudden", "dead gauge", "outside")
+KINDS = ("paper", "own rate", "sudden", "dead gauge")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,18 +26,12 @@ class Histories:
         (n, MOST_STEPS, 2) fractions of mu1 and mu2 by steps at 3 g; at 2 g they age more slowly (aircraft.WEAR).
     dead_gauge
         (n,) index of a gauge that reads nothing but 0 microstrain, -1: none; dead_from: (n,) step.
-    outside
-        (n,) damage of a third region from `outside_from` on; 0: none.
-    outside_from
-        (n,) step.
     """
 
     kind: str
     damage: Floats
     dead_gauge: NDArray[np.int64]
     dead_from: NDArray[np.int64]
-    outside: Floats
-    outside_from: NDArray[np.int64]
 
     @property
     def rates(self) -> Floats:
@@ -63,12 +57,10 @@ def draw(kind: str, n: int, rng: np.random.Generator, gauges_read: tuple[int, ..
         is_after = np.arange(MOST_STEPS) >= begin[:, None]
         damage[np.arange(n), :, region] = np.maximum(damage[np.arange(n), :, region], is_after * size[:, None])
     nothing, never = np.full(n, -1), np.full(n, MOST_STEPS)
-    is_dead, is_outside = kind == "dead gauge", kind == "outside"
+    is_dead = kind == "dead gauge"
     return Histories(
         kind,
         damage,
         rng.choice(gauges_read, n) if is_dead else nothing,
         rng.integers(5, 75, n) if is_dead else never,
-        rng.uniform(0.4, 0.8, n) if is_outside else np.zeros(n),
-        rng.integers(5, 75, n) if is_outside else never,
     )

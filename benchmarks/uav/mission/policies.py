@@ -2,7 +2,7 @@
 
 The paper's: fall back to 2 g when either tree's estimate exceeds 40 %. The twin's limit instead of 40 %: when a turn at
 3 g would break the wing with more than one chance in a thousand, in the state that the trees name, or with a
-probability over a level in the filter's belief. The planner weighs all later steps (`planner.py`).
+probability over a level in the filter's belief. The planner weighs all later steps (`course_plan.py`).
 """
 
 from dataclasses import dataclass
@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.uav.mission.aircraft import CRITICAL, RATES, WEAR, Aircraft
-from benchmarks.uav.mission.capable import chance_of_failing
-from benchmarks.uav.mission.planner import Planner, cell_points
-from octmip.monitor import Belief, Filter, Finding, MonitorState, Watch, explain
+from benchmarks.uav.mission.aircraft import CHANGE, CRITICAL, RATES, WEAR, Aircraft
+from benchmarks.uav.mission.capable import Capable, chance_of_failing
+from benchmarks.uav.mission.course_plan import LOADS, cell_points, course_plan, place_of
+from octmip.monitor import Belief, Filter, Library, MonitorState, Planner, Watch, explain, steady_growth
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -50,7 +50,7 @@ class Policy:
 
 
 POLICIES = (
-    Policy("oracle (bound of full information)", "truth", "plan"),
+    Policy("full information", "truth", "plan"),
     Policy("always cautious", "nothing", "always"),
     Policy("never cautious", "nothing", "never"),
     Policy("trees, 40 % (the paper's)", "trees", "paper"),
@@ -71,13 +71,16 @@ class Brain:
     filters
         of damage that grows as at 2 g, and as at 3 g.
     planner
-        over the filters' cells.
+        over the filters' cells, for growth that is not sudden.
+    informed
+        over cells half as wide, for growth at one rate: what full information decides by.
     over
         (n_states,) share of each cell that is over the limit.
     """
 
     filters: tuple[Filter, Filter]
     planner: Planner
+    informed: Planner
     over: Floats
 
     @classmethod
@@ -85,9 +88,15 @@ class Brain:
         """Return the brain of an aircraft, with n_cells x n_cells cells."""
         slow, fast = (aircraft.filter(n_cells, wear=wear) for wear in (WEAR, 1.0))
         library = fast.library
-        over = chance_of_failing(cell_points(library, aircraft.capable), 3.0) > OVER
-        planner = Planner.of(library, (slow.growth, fast.growth), aircraft.capable)
-        return cls((slow, fast), planner, over.mean(axis=1))
+        over = chance_of_failing(cell_points(library, aircraft.believed), 3.0) > OVER
+
+        def plan(cells: Library, change: float, capable: Capable) -> Planner:
+            growths = [steady_growth(cells, [wear * rate for rate in RATES], change=change) for wear in (WEAR, 1.0)]
+            return course_plan(cells, growths, capable)
+
+        planner = plan(library, CHANGE, aircraft.believed)
+        informed = plan(aircraft.cells(2 * n_cells), 0.0, aircraft.capable)
+        return cls((slow, fast), planner, informed, over.mean(axis=1))
 
 
 class Pilot:
@@ -102,45 +111,44 @@ class Pilot:
         self.monitor_state: MonitorState | None = None if self.watch is None else self.watch.start(n)
         self.faulty = np.full(n, -1)
         self.is_outside = np.zeros(n, dtype=bool)
-        self.findings: dict[int, Finding] = {}
         near = np.zeros((n, 2)) if rates is None else rates
         first, second = np.abs(near[:, :, None] - np.array(RATES)).argmin(axis=2).T
         self.rate = first * len(RATES) + second  # combinations of rates, the last parameter's fastest
 
-    def decide(self, readings: Floats, loads: Floats, truth: Floats, x: Floats) -> Flags:
-        """Return who flies the next step at 2 g, after readings (n, n_gauges) at known loads (n,), at places x (n,)."""
+    def decide(self, readings: Floats, loads: Floats, truth: Floats, x: Floats, width: Floats) -> Flags:
+        """Return who flies the next step at 2 g, after readings (n, n_gauges) at known loads (n,), at x and width."""
         if self.policy.rule in ("always", "never"):
             return np.full(self.n, self.policy.rule == "always")
         if self.policy.estimator == "truth":
-            return self._knowing(truth, x)
+            return self._knowing(truth, place_of(x, width))
         if self.belief is None:
             return self._by_trees(readings, loads)
         self.belief = self._heard_of(self.belief, self._heard(readings, loads), loads)
         if self.policy.rule == "plan":
-            return self.brain.planner.is_cautious(self.belief.weights, x) | self.is_outside
-        if self.policy.rule == "limit":
-            return np.asarray(self.belief.expectation(self.brain.over) > self.policy.level) | self.is_outside
-        median = np.column_stack([self.belief.quantile(name, 0.5) for name in ("mu1", "mu2")])
-        return np.asarray((median > CRITICAL).any(axis=1)) | self.is_outside
+            chosen = self.brain.planner.choose(self.belief.weights, place_of(x, width))
+            return np.asarray((chosen == 0) | self.is_outside)
+        return np.asarray(self.belief.expectation(self.brain.over) > self.policy.level) | self.is_outside
 
-    def _knowing(self, truth: Floats, x: Floats) -> Flags:
-        library = self.brain.filters[FAST].library
-        n_cells = len(np.unique(library.states[:, 0]))
-        first, second = np.clip((truth[:, :2] / library.widths).astype(np.intp), 0, n_cells - 1).T
-        bears = self.aircraft.capable.bears(truth)
-        return np.asarray(self.brain.planner.is_cautious_knowing(bears, self.rate, first * n_cells + second, x))
+    def _knowing(self, truth: Floats, places: NDArray[np.intp]) -> Flags:
+        n_cells = round(np.sqrt(self.brain.informed.actions[0].growth.n_states))
+        first, second = np.clip((truth / 0.8 * n_cells).astype(np.intp), 0, n_cells - 1).T
+        fails = np.array([self.aircraft.capable.fails(truth, load) for load in LOADS])
+        chosen = self.brain.informed.choose_knowing(fails, self.rate, first * n_cells + second, places)
+        return np.asarray(chosen == 0)
 
     def _by_trees(self, readings: Floats, loads: Floats) -> Flags:
         selector = self.aircraft.selector
         told = np.asarray(selector.library.states[selector.compiled.labels(readings / loads[:, None])])
         if self.policy.rule == "paper":
             return np.asarray((told > CRITICAL).any(axis=1))
-        return np.asarray(self.aircraft.capable.fails(told, 3.0) > OVER)
+        return np.asarray(self.aircraft.believed.fails(told, 3.0) > OVER)
 
     def _heard_of(self, belief: Belief, readings: Floats, loads: Floats) -> Belief:
         """Return the belief after a step flown at `loads` (n,) and its readings."""
-        slow, fast = (chain.growth.advance(belief.weights) for chain in self.brain.filters)
-        weights = np.where((loads < 3.0)[:, None, None], slow, fast)
+        weights, is_slow = belief.weights.copy(), loads < 3.0
+        for chain, rows in zip(self.brain.filters, (is_slow, ~is_slow), strict=True):
+            if rows.any():
+                weights[rows] = chain.growth.advance(belief.weights[rows])
         return self.brain.filters[FAST].observe(Belief(belief.library, weights), readings, loads)
 
     def _heard(self, readings: Floats, loads: Floats) -> Floats:
@@ -152,7 +160,6 @@ class Pilot:
         self.monitor_state = self.watch.observe(self.monitor_state, readings, loads)
         for row in np.flatnonzero(self.monitor_state.is_alarm & ~before & ~self.is_outside):
             finding = explain(self.watch, self.monitor_state, int(row))
-            self.findings[int(row)] = finding
             if finding.kind == "gauge" and self.faulty[row] < 0:
                 self.faulty[row] = self.aircraft.gauges.index(finding.name)
                 self.monitor_state = self.watch.restarted(self.monitor_state, int(row))

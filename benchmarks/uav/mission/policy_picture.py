@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
-LEAST = 0.01
-"""Loss that is drawn for none of 10,000 [%]."""
+LEAST = 0.001
+"""Loss that is drawn for any smaller one [%]."""
 
 
 def picture(rows: Sequence[dict[str, object]]) -> Figure:

@@ -1,4 +1,4 @@
-"""Missions flown many at a time: every step damage grows, the gauges are read, the policy decides, the wing bears."""
+"""Missions flown many at a time: damage grows, the gauges are read, the policy decides, the wing bears."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from benchmarks.uav.mission import course
 from benchmarks.uav.mission.aircraft import NOISE_SD, WEAR, Aircraft
-from benchmarks.uav.mission.capable import GUST
+from benchmarks.uav.mission.course_plan import LOST
 from benchmarks.uav.mission.histories import MOST_STEPS, Histories
 from benchmarks.uav.mission.policies import OVER, Pilot
 
@@ -18,77 +18,65 @@ Floats = NDArray[np.float64]
 class Flights:
     """Outcomes of n missions.
 
+    Nothing is drawn of a manoeuvre's scatter: a wing flies on with the chance that it bore all before, so that losses
+    of one in ten thousand show in as many missions.
+
     Attributes
     ----------
-    is_lost
-        (n,) whether the wing was asked for more than it could bear.
-    steps
-        (n,) to the goal, or to the loss.
+    lost
+        (n,) chance that the wing is asked for more than it bears.
+    arrival
+        (n,) steps to the goal of a wing that bears all.
+    cost
+        (n,) expected steps flown, and `LOST` for a loss.
     missed
-        (n,) steps flown at 3 g with a damage over the limit; critical: (n,) steps with such damage.
+        (n,) steps at 3 g over the limit; critical: (n,) steps over the limit.
     cautious
-        (n,) steps flown at 2 g with a damage below the limit.
-    excess
-        (n,) most of a flown load factor over what the twin says the wing bears, as a share; below 0: never over.
+        (n,) steps at 2 g below the limit.
     """
 
-    is_lost: NDArray[np.bool_]
-    steps: NDArray[np.int64]
+    lost: Floats
+    arrival: Floats
+    cost: Floats
     missed: NDArray[np.int64]
     critical: NDArray[np.int64]
     cautious: NDArray[np.int64]
-    excess: Floats
 
 
-def fly(
-    aircraft: Aircraft, histories: Histories, pilot: Pilot, rng: np.random.Generator, signature: Floats | None = None
-) -> Flights:
-    """Return what becomes of missions with these histories under a policy.
-
-    Parameters
-    ----------
-    signature
-        (n_gauges,) what a wholly damaged third region adds, microstrain per unit of load and of damage.
-    """
+def fly(aircraft: Aircraft, histories: Histories, pilot: Pilot, rng: np.random.Generator) -> Flights:
+    """Return what becomes of missions with these histories under a policy."""
     n = histories.n
-    clock, excess = np.zeros(n), np.full(n, -1.0)
+    clock, survived, flown = np.zeros(n), np.ones(n), np.zeros(n)
     x, width, load = np.zeros(n), np.zeros(n), np.full(n, 3.0)
-    is_lost, is_there = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
-    steps, missed, critical, cautious = (np.zeros(n, dtype=np.int64) for _ in range(4))
+    arrival, missed, critical, cautious = (np.zeros(n, dtype=np.int64) for _ in range(4))
     for k in range(MOST_STEPS):
         truth = damage_at(histories, k, clock)
-        is_on = ~is_lost & ~is_there
+        is_on = x < course.GOAL
         # at the load of the last manoeuvre
-        readings = readings_at(aircraft, histories, k, load, rng, signature, clock)
-        is_cautious = pilot.decide(readings, load, truth, x)
+        readings = readings_at(aircraft, histories, k, load, rng, clock)
+        is_cautious = pilot.decide(readings, load, truth, x, width)
         load = np.where(is_cautious, 2.0, 3.0)
         x, width = course.advance(x, width, is_cautious)
-        bears = aircraft.capable.bears(truth)
-        is_critical = aircraft.capable.fails(truth, 3.0) > OVER
-        steps += is_on
-        missed += is_on & is_critical & ~is_cautious
-        critical += is_on & is_critical
+        is_critical = is_on & (aircraft.capable.fails(truth, 3.0) > OVER)
+        arrival += is_on
+        missed += is_critical & ~is_cautious
+        critical += is_critical
         cautious += is_on & ~is_critical & is_cautious
-        excess = np.where(is_on, np.maximum(excess, load / bears - 1.0), excess)
-        is_lost |= is_on & (load * (1.0 + GUST * rng.normal(size=n)) > bears)
+        flown += np.where(is_on, survived, 0.0)
+        survived = survived * (1.0 - np.where(is_on, aircraft.capable.fails(truth, load), 0.0))
         clock = clock + np.where(is_cautious, WEAR, 1.0)
-        is_there |= is_on & ~is_lost & (x >= course.GOAL)
-        if not (~is_lost & ~is_there).any():
+        if not is_on.any():
             break
-    return Flights(is_lost, steps, missed, critical, cautious, excess)
+    lost = 1.0 - survived
+    return Flights(lost, arrival.astype(np.float64), flown + LOST * lost, missed, critical, cautious)
 
 
 def damage_at(histories: Histories, step: int, clock: Floats | None = None) -> Floats:
-    """Return the true damage (n, 3): mu1, mu2 and that of the third region.
-
-    mu1 and mu2 are as old as `clock` (n,) steps at 3 g, the step's number if not given.
-    """
-    third = np.where(step >= histories.outside_from, histories.outside, 0.0)
+    """Return the true damage (n, 2), as old as `clock` (n,) steps at 3 g, the step's number if not given."""
     age = np.full(histories.n, float(step)) if clock is None else np.minimum(clock, MOST_STEPS - 1.0)
     low, rows = np.minimum(age.astype(np.intp), MOST_STEPS - 2), np.arange(histories.n)
     share = (age - low)[:, None]
-    own = (1.0 - share) * histories.damage[rows, low] + share * histories.damage[rows, low + 1]
-    return np.column_stack([own, third])
+    return np.asarray((1.0 - share) * histories.damage[rows, low] + share * histories.damage[rows, low + 1])
 
 
 def readings_at(
@@ -97,14 +85,10 @@ def readings_at(
     step: int,
     load: Floats,
     rng: np.random.Generator,
-    signature: Floats | None = None,
     clock: Floats | None = None,
 ) -> Floats:
     """Return the noisy readings (n, n_gauges) of a step, at the load that is being flown; `clock` as `damage_at`."""
-    truth = damage_at(histories, step, clock)
-    strains = aircraft.strains(truth[:, :2])
-    if signature is not None:
-        strains = strains + truth[:, 2:] * signature
+    strains = aircraft.strains(damage_at(histories, step, clock))
     readings = load[:, None] * strains + rng.normal(0.0, NOISE_SD, strains.shape)
     rows = np.flatnonzero(step >= histories.dead_from)
     readings[rows, histories.dead_gauge[rows]] = 0.0

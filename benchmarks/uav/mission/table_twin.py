@@ -35,8 +35,8 @@ class TableTwin:
         (n_levels1, n_levels2, n_gauges) microstrain per unit of load factor.
     effects
         what the table lacks.
-    gauge_positions, outline
-        (n_gauges, 2) and (n, 2) [m], where they are known.
+    gauge_positions
+        (n_gauges, 2) [m], where they are known.
     """
 
     gauges: tuple[str, ...]
@@ -46,7 +46,6 @@ class TableTwin:
     parameters: tuple[str, ...] = ("mu1", "mu2")
     is_linear_in_load: bool = True
     gauge_positions: Floats | None = None
-    outline: Floats | None = None
     _fine: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

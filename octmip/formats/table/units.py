@@ -8,6 +8,7 @@ import importlib.util
 import re
 import tokenize
 import unicodedata
+from functools import cache
 from typing import Any
 
 _QUANTITIES = {
@@ -113,6 +114,16 @@ def factor_between(given: str, wanted: str) -> float | None:
     return size / wanted_size if a == b else _by_pint(one, other)
 
 
+@cache
+def _registry() -> Any:
+    """Return the units of pint and strain; making them takes as long as importing pint."""
+    import pint
+
+    registry: Any = pint.UnitRegistry()
+    registry.define("strain = [strain]")
+    return registry
+
+
 def _by_pint(given: str, wanted: str) -> float | None:
     """Return the factor that pint knows, None where it is not installed or knows none.
 
@@ -123,8 +134,7 @@ def _by_pint(given: str, wanted: str) -> float | None:
         return None
     import pint  # half a second, for units that the table lacks
 
-    registry: Any = pint.UnitRegistry()
-    registry.define("strain = [strain]")
+    registry = _registry()
     try:
         one, other = (registry.parse_expression(text) for text in (given, wanted))
         roots = [registry.Quantity(1.0, quantity.units).to_root_units().units for quantity in (one, other)]

@@ -129,7 +129,10 @@ def _watch_json(seen: Seen) -> dict[str, Any]:
 
 
 def _watch_words(source: str, seen: Seen, added: str) -> list[str]:
-    lines = [f"{visible(source)}: gauge {visible(name)} is faulty and left out" for name in seen.faulty]
+    lines = [
+        f"{visible(source)}: gauge {visible(name)} is left out: it is faulty, or damage is at it alone"
+        for name in seen.faulty
+    ]
     if seen.finding is None and not seen.n_tested:
         lines.append(
             f"{visible(source)}: no reading has gauges enough to disagree with the library, so nothing was tested; "
@@ -138,8 +141,9 @@ def _watch_words(source: str, seen: Seen, added: str) -> list[str]:
         return lines
     if seen.finding is None:
         some = "" if seen.n_tested == seen.n_readings else f" ({seen.n_tested} with gauges enough to be tested)"
+        what = "the other gauges" if seen.faulty else "them"
         number_of = f"{seen.n_readings} reading{'s' * (seen.n_readings != 1)}"
-        lines.append(f"{visible(source)}: no alarm in {number_of}{some}; the library explains them")
+        lines.append(f"{visible(source)}: no alarm in {number_of}{some}; the library explains {what}")
         return lines
     lines.append(
         f"{visible(source)}: alarm at reading {seen.alarm} of {seen.n_readings}. {visible(seen.finding.words)}"

@@ -239,12 +239,13 @@ def _add_class_counts(
             rows.add("class_count", -np.inf, unsplit, earned, (columns, -numbers), (splits.first(m), unsplit))
 
 
-def formulate(problem: Problem, known: Known, options: MipOptions, fix: int = 2) -> Flow:
-    """Return the flow formulation as rows in what is known; `fix` as in `encode`."""
+def formulate(problem: Problem, known: Known, options: MipOptions, fix: int = 2, *, class_count: bool = True) -> Flow:
+    """Return the flow formulation as rows in what is known; `fix` and `class_count` as in `encode`."""
     return encode(
         problem,
         known.tree,
         fix=fix,
+        class_count=class_count,
         mu=options.mu,
         prices=known.prices,
         rows=known.rows,

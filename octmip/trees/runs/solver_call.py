@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from octmip.trees.answer.solution import Progress, Solution, Stop
-from octmip.trees.methods.options import NO_OPTIONS, OPTIONS, Options, SearchOptions
+from octmip.trees.methods.options import NO_OPTIONS, OPTIONS, ExactOptions, Options, SearchOptions
 from octmip.trees.methods.pruning import fitting
 from octmip.trees.nodes.tree import Node
 from octmip.trees.question.problem import Problem
@@ -63,10 +63,15 @@ class Call:
             progress=self._shifted_progress(spent),
             options=options_for(self.problem, name, options),
         )
-        return self._bounded(fitting(self.problem, solution) if self.problem.shape.is_shaped else solution)
+        solution = fitting(self.problem, solution) if self.problem.shape.is_shaped else solution
+        is_logged = isinstance(options, ExactOptions) and options.proof is not None
+        return solution if is_logged else self._bounded(solution)
 
     def _bounded(self, solution: Solution) -> Solution:
-        """Return a solution with the bound by labels, which is about all trees, where its own is no higher."""
+        """Return a solution with the bound by labels, which is about all trees, where its own is no higher.
+
+        A log has no line for it.
+        """
         if solution.stop is Stop.OPTIMAL and "scope" not in solution.details:
             return solution
         bound = self.problem.bound_by_labels

@@ -31,6 +31,18 @@ def run(capsys):
 
 
 @pytest.fixture
+def refused(run):
+    """Return a function that runs the command and returns the one line in which it refuses, all that it prints."""
+
+    def call(*words):
+        code, out, err = run(*words)
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        return err
+
+    return call
+
+
+@pytest.fixture
 def tree(data, run, tmp_path):
     """Return a tree file of the table."""
     path = tmp_path / "tree.json"

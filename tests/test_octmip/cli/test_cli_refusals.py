@@ -15,16 +15,12 @@ BAD_TABLES = {
 
 
 @pytest.mark.parametrize("name", BAD_TABLES)
-def test_a_bad_table_ends_in_one_line_and_nothing_written(run, tmp_path, name):
+def test_a_bad_table_ends_in_one_line_and_nothing_written(refused, tmp_path, name):
     text, sentence = BAD_TABLES[name]
     (tmp_path / "bad.csv").write_bytes(text.encode("latin-1"))
-    code, out, err = run(
+    assert sentence in refused(
         "solve", tmp_path / "bad.csv", "--label", "y", "--depth", 1, "--method", "cart", "--out", tmp_path / "t.json"
     )
-    assert code == 2
-    assert out == ""
-    assert sentence in err
-    assert err.count("\n") == 1
     assert not (tmp_path / "t.json").exists()
 
 
@@ -55,20 +51,15 @@ BAD_WORDS = {
 
 
 @pytest.mark.parametrize("name", BAD_WORDS)
-def test_a_bad_command_line_ends_in_one_line(data, run, name):
+def test_a_bad_command_line_ends_in_one_line(data, refused, name):
     words, sentence = BAD_WORDS[name]
     words = words if "--features" in words else [*words, "--features", "a,b"]
-    code, out, err = run("solve", data, "--label", "y", *words)
-    assert code == 2
-    assert out == ""
-    assert sentence in err
-    assert err.count("\n") == 1
+    assert sentence in refused("solve", data, "--label", "y", *words)
 
 
 @pytest.mark.parametrize("place", [("certify",), ("predict",), ("report",), ("solve", "--incumbent")])
-def test_a_table_in_the_place_of_a_tree_file_is_named_as_what_it_is(data, run, place):
+def test_a_table_in_the_place_of_a_tree_file_is_named_as_what_it_is(data, refused, place):
     solve = (data, "--label", "y", "--depth", 1)
-    code, out, err = run(place[0], *(solve if place[1:] else ()), *place[1:], data, *(() if place[1:] else (data,)))
-    assert (code, out) == (2, "")
+    err = refused(place[0], *(solve if place[1:] else ()), *place[1:], data, *(() if place[1:] else (data,)))
     sentence = "begins with 'a,b,w,y'; expected JSON: a tree file, as octmip solve --out writes it; give that file"
     assert err == f"octmip {place[0]}: {data} {sentence}\n"

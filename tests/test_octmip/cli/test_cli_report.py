@@ -1,5 +1,6 @@
 """octmip report with the data: what is recounted, compared and held out, as words, Markdown and a page."""
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -63,7 +64,44 @@ def test_a_drawing_has_histograms_a_dark_ground_and_units_when_asked(run, data, 
         (("DATA", "--seconds", "nan"), "--seconds is nan"),
     ],
 )
-def test_what_cannot_be_reported_is_refused_with_a_cure(run, data, solved, words, said):
-    code, _, err = run("report", solved, *(data if word == "DATA" else word for word in words))
-    assert code == 2
-    assert said in err
+def test_what_cannot_be_reported_is_refused_with_a_cure(refused, data, solved, words, said):
+    assert said in refused("report", solved, *(data if word == "DATA" else word for word in words))
+
+
+# octmip certify, predict and report: a tree file recounted, refuted, applied and shown
+
+
+def broken(tree, change):
+    content = json.loads(tree.read_text())
+    change(content)
+    tree.write_text(json.dumps(content))
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda file: file["solution"].update(objective=0.0), "claims objective 0.0 but the tree's own"),
+        (lambda file: file["problem"].update(leaf_size=15), "leaf_size is 15"),
+        (lambda file: file["training"].update(sha256="0" * 64), "is not the table"),
+    ],
+)
+def test_certify_refutes_a_file_changed_by_hand(data, run, tree, change, sentence):
+    broken(tree, change)
+    code, out, err = run("certify", tree, data)
+    assert code == 1
+    assert out == ""
+    assert sentence in err
+    assert err.count("\n") == 1
+
+
+def test_predict_needs_only_the_features_that_the_tree_reads(run, refused, tree, tmp_path):
+    (tmp_path / "new.csv").write_text("a\n3\n20\n")
+    assert run("predict", tree, tmp_path / "new.csv")[1].split() == ["prediction", "low", "high"]
+    (tmp_path / "new.csv").write_text("b\n3\n")
+    assert "'a' is not in the table" in refused("predict", tree, tmp_path / "new.csv")
+
+
+def test_labels_unseen_at_training_are_refused(data, refused, tree):
+    data.write_text(data.read_text().replace("low", "lower"))
+    for command in (["certify", tree, data], ["predict", tree, data, "--label", "y"]):
+        assert "line 2, column 'y': label 'lower' was not seen at training" in refused(*command)

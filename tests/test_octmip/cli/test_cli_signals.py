@@ -14,13 +14,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.cases.command import signals
+from benchmarks.cases.command import ends, signals
 from octmip import Options, Problem, Solution, Study, solve
 from octmip.interfaces.cli import main
+from octmip.interfaces.cli.program import COMMANDS
 from octmip.interfaces.cli.stages import term_as_interrupt
 from octmip.trees.answer.interruption import held_back
 from octmip.trees.answer.solution import Progress, Stop
 from octmip.trees.near_sets import sensor_roles
+
+on_linux = pytest.mark.skipif(sys.platform != "linux", reason="Linux has /proc, /dev/full and a limit of memory")
 
 
 @pytest.fixture
@@ -198,7 +201,7 @@ def test_ctrl_c_in_python_ends_all_searches_too_and_the_next_call_is_a_new_one(
 
 def test_an_interrupted_solve_goes_on_and_is_none_of_a_study(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
-    random_problem = Problem(rng.normal(size=(800, 14)), rng.integers(0, 3, 800), depth=3)
+    random_problem = Problem(rng.normal(size=(500, 12)), rng.integers(0, 3, 500), depth=3)
 
     def interrupted(state: Progress) -> None:
         raise KeyboardInterrupt
@@ -214,14 +217,48 @@ def test_an_interrupted_solve_goes_on_and_is_none_of_a_study(tmp_path: Path) -> 
 def at_work(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The tables, tree, proof and twin that commands work on."""
     folder = tmp_path_factory.mktemp("signals")
-    signals.prepare(folder)
+    signals.prepare(folder, n_long=9)
     return folder
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="moments are told from /proc")
+@on_linux
 @pytest.mark.parametrize("command", ["solve", "frontier", "diagnose", "monitor", "report"])  # the benchmark asks all
 def test_a_command_ends_by_a_signal_at_a_random_moment(command: str, at_work: Path) -> None:
     (line,) = signals.signalled(command, at_work, 1, latest=1.2, earliest=0.1)
     assert line["outcome"] in ("result", "interrupted", "ended before", "loading")
     # A second of an idle machine; the wall seconds are the benchmark's.
     assert line.get("cpu_seconds", 0.0) < 2.0
+
+
+# Streams that are closed or full lose nothing that a command found, and their failure is one sentence
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the commands work on."""
+    ends.prepare(made := tmp_path_factory.mktemp("ends"))
+    return made
+
+
+@on_linux
+@pytest.mark.parametrize(("command", "megabytes"), [("solve", 450), ("monitor", 450), ("diagnose", 600)])
+def test_a_process_that_gets_no_more_memory_has_its_result_or_one_sentence(
+    command: str, megabytes: int, folder: Path
+) -> None:
+    assert ends.limited(command, folder, megabytes) in ("result", "one sentence")
+
+
+@on_linux
+@pytest.mark.parametrize(
+    ("command", "end"),
+    [*((command, ends.FULL) for command in COMMANDS), ("solve", ends.CLOSED), ("diagnose", ends.CLOSED)],
+)
+def test_streams_that_fail_lose_no_file_and_are_one_sentence(
+    command: str, end: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(folder)
+    assert main([command, *ends.WORDS[command]]) == 0  # what it imports is there for its children
+    capsys.readouterr()
+    ends.made(folder / "new")
+    right = "result" if command in ends.SAYS_BESIDE else "one sentence"
+    assert dict(ends.streamed(command, folder, end)) == {"standard output": right, "standard error": "result"}

@@ -1,11 +1,22 @@
 """octmip solve, compare and frontier: what they print and what they write."""
 
 import json
+import math
 
-from octmip import Solution, Stop
+import highspy
+import numpy as np
+import pandas as pd
+import pytest
+
+from octmip import Leaf, Problem, Solution, Stop, solve
 from octmip.errors import SolverError
 from octmip.formats.tree_file import read_tree_file
+from octmip.interfaces.cli.arguments import Parser
+from octmip.interfaces.cli.gap_times import GapTimes
+from octmip.interfaces.cli.options import solve as options
+from octmip.interfaces.cli.samples.table_problem import read_problem
 from octmip.trees import solver
+from octmip.trees.answer.solution import Progress
 from octmip.trees.runs import registry
 
 
@@ -47,15 +58,11 @@ def test_every_setting_reaches_the_problem(data, run, tmp_path):
     assert run("certify", out_file, data)[0] == 0
 
 
-def test_an_incumbent_is_taken_up(data, run, tree):
+def test_an_incumbent_is_taken_up(data, run, refused, tree):
     words = ["solve", data, "--label", "y", "--depth", 1, "--method", "search", "--incumbent", tree]
     assert "if a <= 11.5" in run(*words, "--features", "b,a")[1]
-    code, _, err = run(*words, "--features", "b")
-    assert code == 2
-    assert "names the feature 'a', which is not among" in err
-    code, _, err = run(*words, "--features", "a,b", "--leaf-size", 15)
-    assert code == 2
-    assert "incumbent is no tree of this problem: leaf 0" in err
+    assert "names the feature 'a', which is not among" in refused(*words, "--features", "b")
+    assert "incumbent is no tree of this problem: leaf 0" in refused(*words, "--features", "a,b", "--leaf-size", 15)
 
 
 def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, monkeypatch):
@@ -83,7 +90,7 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
     assert reached == [False, True, False]
 
 
-def test_frontier_shows_what_samples_held_out_cost_and_chooses(data, run):
+def test_frontier_shows_what_samples_held_out_cost_and_chooses(data, run, refused):
     words = ["frontier", data, "--label", "y", "--features", "a,b", "--depth", 2, "--over"]
     found = json.loads(run(*words, "depth", "--folds", 2, "--json")[1])
     assert all(0 <= row["held_out"] <= 1 for row in found["rows"])
@@ -92,12 +99,8 @@ def test_frontier_shows_what_samples_held_out_cost_and_chooses(data, run):
     assert code == 0
     assert "held out" in out
     assert out.splitlines()[-1].startswith("chosen: depth")
-    code, _, err = run(*words, "budget", "--folds", 2)
-    assert code == 2
-    assert "--folds chooses a depth and a penalty" in err
-    code, _, err = run(*words, "depth", "--folds", 1)
-    assert code == 2
-    assert "folds is 1" in err
+    assert "--folds chooses a depth and a penalty" in refused(*words, "budget", "--folds", 2)
+    assert "folds is 1" in refused(*words, "depth", "--folds", 1)
 
 
 def test_a_least_weight_of_leaves_counts_the_weights_of_rows_and_classes(data, run, tmp_path):
@@ -110,3 +113,99 @@ def test_a_least_weight_of_leaves_counts_the_weights_of_rows_and_classes(data, r
     assert "with a weight of 150 or more in each leaf, has" in out
     assert read_tree_file(out_file).settings["leaf_weight"] == 150
     assert run("certify", out_file, data)[0] == 0
+
+
+# Gap times: the first report within a gap counts, and the solution at the end
+
+
+def test_the_first_report_within_a_gap_counts_and_the_end_closes_the_rest():
+    shown: list[Progress] = []
+    times = GapTimes(shown.append)
+    for seconds, bound in ((1.0, -math.inf), (2.0, 95.0), (3.0, 96.0)):
+        times(Progress(seconds, 100.0, bound, 0))
+    times.end(Solution(Leaf(0), 100.0, 97.0, Stop.TIME, 4.0, 1, "exact", "1", 0))
+    assert times.reached() == {"10 %": 2.0, "1 %": None, "0 %": None}
+    assert times.gaps == [(2.0, 0.05), (3.0, 0.04), (4.0, 0.03)]
+    assert len(shown) == 3
+
+
+def test_the_end_is_timed_by_the_clock_of_the_solution():
+    times = GapTimes(lambda state: None)
+    times.end(Solution(Leaf(0), 100.0, 100.0, Stop.OPTIMAL, 0.25, 1, "exact", "1", 0))
+    assert set(times.reached().values()) == {0.25}
+
+
+# A Parquet file of float32 columns becomes a problem as it is, and the tree is that of its values as float64
+
+
+def test_a_parquet_file_of_float32_columns_makes_no_float64_table(tmp_path):
+    rng = np.random.default_rng(5)
+    features = rng.normal(size=(60, 3)).astype(np.float32)
+    labels = (features.sum(axis=1) > 0).astype(int)
+    frame = pd.DataFrame(features, columns=["a", "b", "c"])
+    path = tmp_path / "table.parquet"
+    frame.assign(y=labels).to_parquet(path)
+    parser = Parser("octmip solve", None)
+    options.add_arguments(parser)
+    problem = read_problem(parser.parse_args([str(path), "--label", "y", "--depth", "2"])).problem
+    assert problem.samples.features.dtype == np.float32
+    wide = Problem(features.astype(np.float64), labels, depth=2)
+    assert solve(problem, "exact").objective == solve(wide, "exact").objective
+
+
+# octmip solve --read-solution: another solver's answer becomes a certified tree, or is refused in a sentence
+
+
+@pytest.fixture
+def files(data, run, tmp_path):
+    """Return a model's file that the command wrote, and the solution that HiGHS by itself wrote of it."""
+    model, solution = tmp_path / "m.lp", tmp_path / "m.sol"
+    words = ["--label", "y", "--depth", 1, "--method", "flow", "--option", f"write={model}"]
+    assert run("solve", data, *words)[0] == 0
+    highs = highspy.Highs()
+    highs.silent()
+    highs.readModel(str(model))
+    highs.run()
+    highs.writeSolution(str(solution), 0)
+    return model, solution
+
+
+def test_a_solution_comes_back_certified_with_the_stated_bound(data, run, files, tmp_path):
+    model, solution = files
+    words = ["--label", "y", "--depth", 1, "--read-solution", solution, "--of-model", model]
+    out_file = tmp_path / "t.json"
+    code, out, err = run("solve", data, *words, "--stated-bound", 1.00001, "--json", "--out", out_file)
+    answer = json.loads(out)
+    assert (code, err) == (0, "")
+    assert (answer["objective"], answer["bound"], answer["is_optimal"]) == (1, 1, True)
+    assert read_tree_file(out_file).solution.bound == 1
+    assert run("certify", out_file, data)[0] == 0
+    code, out, _ = run("solve", data, *words, "--json")
+    assert (code, json.loads(out)["bound"]) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--read-solution", "SOL"], "--read-solution is given with --method auto"),
+        (["--read-solution", "SOL", "--method", "oct"], "give the method of the model that was solved"),
+        (["--read-solution", "SOL", "--method", "flow", "--depth", 2], "which the model lacks"),
+        (["--read-solution", "none.sol", "--method", "flow"], "cannot be read"),
+        (["--read-solution", "DATA", "--method", "flow"], "gives no column of the model a value"),
+        (["--read-solution", "SOL", "--of-model", "SOL"], "does not begin with 'octmip model'"),
+        (["--read-solution", "SOL", "--of-model", "MODEL", "--method", "oct"], "is one of flow, but --method is oct"),
+        (["--read-solution", "SOL", "--of-model", "MODEL", "--label", "w"], "give the same table and columns"),
+        (["--read-solution", "SOL", "--of-model", "MODEL", "--stated-bound", "nan"], "expected a number"),
+        (["--read-solution", "SOL", "--of-model", "MODEL", "--stated-bound", 2], "no tree is below 2"),
+        (["--stated-bound", 2], "says something of --read-solution"),
+    ],
+)
+def test_what_is_wrong_is_said_in_a_sentence(data, run, files, words, said):
+    names = {"SOL": files[1], "MODEL": files[0], "DATA": data}
+    given = [names.get(word, word) for word in words]
+    label = [] if "--label" in words else ["--label", "y"]
+    depth = [] if "--depth" in words else ["--depth", 1]
+    code, out, err = run("solve", data, *label, *depth, *given)
+    assert (code in (1, 2), out) == (True, "")  # 1: the answer is false, 2: the question is wrong
+    assert err.count("\n") == 1
+    assert said in err

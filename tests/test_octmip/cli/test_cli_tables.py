@@ -3,12 +3,14 @@
 import gzip
 import io
 import json
+import signal
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from octmip.formats.tree_file import read_tree_file
+from octmip.trees.answer.certificate import certify
 
 
 @pytest.fixture
@@ -60,18 +62,15 @@ def test_predict_reads_standard_input_and_says_what_training_had_not(survey, run
         (("--holdout", "0.2", "--test", "x.csv"), "not allowed with"),
     ],
 )
-def test_wrong_words_about_columns_end_in_one_line(survey, run, words, sentence):
-    code, out, err = run("solve", survey, "--label", "label", "--depth", 2, *words)
-    assert (code, out, err.count("\n")) == (2, "", 1)
-    assert sentence in err
+def test_wrong_words_about_columns_end_in_one_line(survey, refused, words, sentence):
+    assert sentence in refused("solve", survey, "--label", "label", "--depth", 2, *words)
 
 
 @pytest.mark.parametrize("word", ["", "?"])
-def test_rows_without_a_label_are_refused_or_left_out(run, tmp_path, word):
+def test_rows_without_a_label_are_refused_or_left_out(run, refused, tmp_path, word):
     path = tmp_path / "t.csv"
     path.write_text("x,y\n" + "".join(f"{k},{word if k == 7 else k // 10}\n" for k in range(20)))
-    code, _, err = run("solve", path, "--label", "y", "--depth", 1)
-    assert code == 2
+    err = refused("solve", path, "--label", "y", "--depth", 1)
     assert "line 9, column 'y'" in err
     assert "--drop-unlabelled leaves such rows out" in err
     code, out, _ = run("solve", path, "--label", "y", "--depth", 1, "--drop-unlabelled", "--out", tmp_path / "t.json")
@@ -137,3 +136,53 @@ def test_another_table_tests_the_tree(survey, run, tmp_path):
     code, out, _ = run("compare", survey, *SOLVE, "--test", test, "--methods", "cart,exact")
     assert code == 0
     assert "errors held out" in out
+
+
+# octmip compare of a folder: every method on every table of it
+
+
+METHODS = ("--depth", 1, "--methods", "cart,exact,oct_h")
+
+
+@pytest.fixture
+def folder(tmp_path, data):
+    """Return a folder with two tables whose last column is the label, one that is none, and a file of another kind."""
+    tables = tmp_path / "tables"
+    tables.mkdir()
+    frame = pd.read_csv(data)[["a", "b", "y"]]
+    frame.to_csv(tables / "one.csv", index=False)
+    frame.rename(columns={"y": "state"}).to_csv(tables / "two.csv.gz", index=False)
+    (tables / "empty.csv").write_text("a,y\n")
+    (tables / "notes.txt").write_text("nothing")
+    return tables
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("DATA", "--label", "y", "--out", "figures"), "--out is for a folder of tables"),
+        (("TABLES", "--holdout", "0.2"), "--holdout is for one table"),
+        (("EMPTY",), "holds no table; expected files that end with"),
+        (("TABLES", "--label", "nobody"), "no table of"),
+        (("TABLES", "--methods", "best"), "--methods names 'best'"),
+    ],
+)
+def test_what_cannot_be_compared_is_a_sentence(folder, refused, data, tmp_path, words, said):
+    (tmp_path / "none").mkdir()
+    places = {"DATA": data, "EMPTY": tmp_path / "none", "TABLES": folder}
+    assert said in refused("compare", *METHODS, *(places.get(word, word) for word in words))
+
+
+def test_after_a_signal_the_tables_that_are_known_are_shown(folder, run, monkeypatch):
+    asked = []
+
+    def signalled(problem, solution):
+        if problem not in asked and asked:
+            signal.raise_signal(signal.SIGINT)
+        asked.append(problem)
+        return certify(problem, solution)
+
+    monkeypatch.setattr("octmip.interfaces.cli.compare_table.certify", signalled)
+    code, out, _ = run("compare", folder, *METHODS, "--json")
+    assert code == 0
+    assert [one["table"] for one in json.loads(out)["tables"] if one["rows"]] == ["one.csv"]

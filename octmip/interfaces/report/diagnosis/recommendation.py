@@ -252,6 +252,9 @@ def _act(diagnosis: Diagnosis) -> str:
     found = [_told(first, k) for k in range(len(first.parameters))]
     parts = "; and ".join(found)
     s = diagnosis.shrinkage
-    rest = "something smaller remains that no effect of the library describes"
-    end = rest if s is not None and s.p_after < MISFIT else "nothing else is needed"
+    end = "nothing else is needed"
+    if s is not None and s.p_after < MISFIT:
+        end = "something smaller remains that no effect of the library describes"
+    elif alike := [words for found in first.confounded for words in found.words[1:]]:
+        end = f"far less probably {listed(alike[:FEW], 'or')}, which these readings cannot tell from it"
     return f"{parts}, probability {about(first.probability)} ({first.certainty}); {end}"
