@@ -44,6 +44,11 @@ def test_every_corner_near_failing_in_a_sampled_state_is_kept(tiny, capable):
     assert {block.height for block in capable.blocks} <= looked_at
 
 
+def test_states_have_one_two_three_or_all_regions_damaged_in_turns():
+    states = capability.drawn_states(np.random.default_rng(0), 8, 6)
+    assert np.count_nonzero(states, axis=1).tolist() == [1, 2, 3, 6] * 2
+
+
 def test_the_least_limit_counts_and_the_error_is_the_largest_of_all_that_were_checked(tiny, tiny_reduced, monkeypatch):
     checked, full = [], np.array([[1.0, 2.0, 4.0], [4.0, 0.01, 2.0], [9.0, 3.0, 0.5]])
     monkeypatch.setattr(capability, "full_limits", lambda *args: checked.append(args[-1]) or full[len(checked) - 1])

@@ -50,6 +50,15 @@ def test_a_set_stands_as_far_from_its_model_as_its_states_move():
     assert (away > 0.04, log_evidence) == (True, pytest.approx(none))
 
 
+def test_a_set_without_errors_weighs_what_errors_too_small_to_count_leave():
+    twin = Beam()
+    inputs = prepare(measured(1), twin, twin.effects, measured(1000))[0]
+    inference = Inference(linearise(inputs, np.zeros((4, 2))))
+    faint = 1e-12 * np.diag(np.diag(inference.model.covariance))
+    for one, other in zip(inference._reduced((0, 1), None), inference._reduced((0, 1), faint), strict=True):
+        assert one == pytest.approx(other, rel=1e-6, abs=1e-6)
+
+
 @pytest.mark.parametrize("n_exact", [3, 60])
 def test_what_has_no_odds_is_never_the_unknown(n_exact, monkeypatch):
     monkeypatch.setattr("octmip.gap.inference.posterior.N_EXACT", n_exact)

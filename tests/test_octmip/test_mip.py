@@ -145,7 +145,9 @@ def test_any_whole_number_is_a_seed():
 
 
 def test_a_node_limit_stops():
-    assert solve_oct(iris(depth=1), limits=Limits(nodes=2)).stop is Stop.NODES
+    solution = solve_oct(iris(depth=1), limits=Limits(nodes=2))
+    assert solution.stop is Stop.NODES
+    assert 0 < solution.details["build_seconds"] < solution.seconds
 
 
 def test_a_gap_that_is_reached_stops_and_says_so():

@@ -84,6 +84,14 @@ def test_axes_grow_as_the_full_table_says(cells):
     assert growth.advance(weights) == pytest.approx(expected, rel=1e-12)
 
 
+def test_damage_jumps_with_the_probability_that_is_said_to_any_higher_level():
+    library = library_of(LinearBeam(), grid_states([[0.0, 0.2, 0.6, 0.9], [0.0]]), 1.0)
+    table = steady_growth(library, 0.0, sudden=0.06).transitions[0]
+    assert table == pytest.approx(
+        np.array([[0.94, 0.02, 0.02, 0.02], [0, 0.94, 0.03, 0.03], [0, 0, 0.94, 0.06], [0, 0, 0, 1]])
+    )
+
+
 def test_a_library_that_lacks_combinations_keeps_its_belief_to_itself():
     states = [[0.0, 0.0], [0.0, 0.5], [0.5, 0.5]]
     library = Library(("mu1", "mu2"), states, ("a",), [[0.0], [1.0], [2.0]], 1.0)

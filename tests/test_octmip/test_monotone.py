@@ -94,6 +94,14 @@ def test_leaves_out_of_order_get_one_prediction():
     assert tree is ordered(problem, tree)
 
 
+def test_thresholds_between_the_same_neighbours_are_aligned_at_no_cost():
+    rows = [(0, 1), (0, 2), (1, 1), (1, 2)]
+    problem = Problem(rows, [0, 1, 0, 1], depth=2, monotone=[1, 1], class_order=[0, 1])
+    tree = Split(0, 0.5, Split(1, 1.4, Leaf(0), Leaf(1)), Split(1, 1.6, Leaf(0), Leaf(1)))
+    assert disorder(tree, (1, 1)) is not None
+    assert problem.objective(ordered(problem, tree)) == 0
+
+
 @pytest.mark.parametrize(("loss", "depth"), [(SquaredError(), 3), (AbsoluteError(), 2), (QuantileError(0.8), 2)])
 def test_ordered_numbers_are_no_worse_than_an_ordered_tree_that_is_known(depth, loss):
     kept = 0

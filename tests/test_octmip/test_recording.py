@@ -91,6 +91,8 @@ def test_a_window_creeps_where_its_thirds_lie_apart_although_single_blocks_scatt
     scattered = np.linspace(0.0, 0.3, 12) + 0.05 * (-1.0) ** np.arange(12)
     assert _creeps(scattered[None])
     assert not _creeps(scattered[None] - np.linspace(0.0, 0.3, 12))
+    chance = np.array([[0.3, -0.2, 0.4, 0.1, -0.3, 0.2, 0.1, -0.4, -0.1]])  # thirds 0.3 apart, steps of 0.4
+    assert not _creeps(chance)
 
 
 def test_a_window_with_a_name_keeps_it_beside_a_channel_of_tests():

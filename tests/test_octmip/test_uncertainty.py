@@ -31,6 +31,7 @@ def test_leaves_count_weights_or_samples():
 def test_another_prior_is_as_if_the_classes_had_come_in_those_shares():
     weights = np.array([[8.0, 2.0], [2.0, 18.0]])
     leaf = LeafDistribution(TREE, weights)
+    assert LeafDistribution(TREE, np.array([[1, 2], [3, 4]])).weights.dtype == np.float64
     resampled = weights * (np.array([0.9, 0.1]) / weights.sum(axis=0))
     assert np.allclose(leaf.with_prior([0.9, 0.1]), smoothed_shares(resampled))
     assert np.allclose(leaf.with_prior(leaf.training_prior), leaf.probabilities)
