@@ -77,6 +77,7 @@ OWN = {
     ("Limits", "nodes"): math.inf,
     ("Limits", "memory"): 8 * 2.0**30,
     ("leaves_on_fresh_rows", "seconds"): 60.0,
+    ("learnt_rates", "weight"): 1.0,
     ("model", "method"): "oct",
     ("reduce_modes", "tolerance"): 0.005,
 }
