@@ -11,9 +11,24 @@ from octmip.trees.mip.benders.root_rows import root_bounds
 from octmip.trees.mip.blocks.heap import place
 from octmip.trees.mip.highs import highs, worker
 from octmip.trees.mip.prices import whole_prices
+from octmip.trees.question.losses import ClassCosts
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem
-from tests.test_octmip.test_mip_benders import SHAPES, mixed
+from tests.test_octmip.test_mip_benders import mixed
+
+SHAPES = [
+    {"depth": 2},
+    {"depth": 3},
+    {"depth": 2, "leaf_size": 9},
+    {"depth": 2, "leaf_penalty": 3.0},
+    {"depth": 2, "sensor_budget": 1},
+    {"depth": 2, "sensor_budget": 2},
+    {"depth": 2, "sensor_budget": 3, "sensor_cost": [1.0, 2.0, 2.0]},
+    {"depth": 2, "loss": ClassCosts([[0, 1, 2], [1, 0, 1], [2, 1, 0]])},
+    {"depth": 2, "allowed_splits": [[0], [2]]},
+    {"depth": 1},
+    {"depth": 2, "max_splits": 2},
+]
 
 ALL = 10**6
 
@@ -43,7 +58,7 @@ def test_oct_with_the_rows_has_the_optimum_of_enumeration():
             assert found.bound <= found.objective
 
 
-@pytest.mark.parametrize("options", [*SHAPES, {"depth": 1}, {"depth": 2, "max_splits": 2}])
+@pytest.mark.parametrize("options", SHAPES)
 def test_the_best_tree_is_one_of_the_model_and_its_relaxation_lies_below(options):
     problem = mixed(40, 3, 3, 1, **options)
     best = solve(problem, "exact")
