@@ -327,6 +327,7 @@ def test_a_keyword_that_a_problem_does_not_take_is_named_with_the_one_that_is_me
         ({"depth": 1}, 5.0),  # of 9, 4, 3 and 2 samples two classes are named
         ({"depth": 2}, 0.0),
         ({"depth": 2, "max_splits": 2}, 2.0),
+        ({"depth": 2, "max_splits": 0}, 9.0),
         ({"depth": 2, "leaf_penalty": 2.5}, 7.0),  # three classes: 2 and two splits
         ({"depth": 2, "leaf_penalty": 4.0}, 2.0 + 3.0 + 4.0),
         ({"depth": 1, "weights": [3.0] * 9 + [1.0] * 9}, 5.0),

@@ -267,7 +267,8 @@ class Problem:
         samples each a tree of depth 1 has two leaves, and errs on 1,050 samples or more.
         """
         shape, k = self.shape, len(self.samples.class_names)
-        n_leaves = min(1 << min(shape.depth, 40), (shape.max_splits or math.inf) + 1, k)
+        most_splits = math.inf if shape.max_splits is None else shape.max_splits
+        n_leaves = min(1 << min(shape.depth, 40), most_splits + 1, k)
         is_told = self.loss.predicts == "class" and not self.has_sample_costs
         if not is_told or (n_leaves == k and not shape.leaf_penalty):
             return 0.0
