@@ -16,6 +16,12 @@ use crate::switches::Switches;
 use crate::view::View;
 use octmip_frame::interval::Interval;
 
+/// Changes on the left and the right side of a cut, and what trees with them cost on all samples of a node at least.
+struct Share {
+    changes: [usize; 2],
+    whole: [i64; 2],
+}
+
 impl Parts<'_> {
     /// Whether these bounds hold at a node.
     pub(super) fn has_few_changes(&self, asked: &Asked) -> bool {
@@ -32,11 +38,20 @@ impl Parts<'_> {
                 best = Some(found);
             }
         }
+        let rows = self.rules_below(asked.old);
+        let depth = asked.depth - 1;
+        let shares: Vec<Share> = shares(asked.changes - 1, self.most_changes(rows, depth))
+            .into_iter()
+            .map(|changes| {
+                let whole = [0, 1].map(|side| self.least(view, (depth, rows[side], changes[side]), upper));
+                Share { changes, whole }
+            })
+            .collect();
         for f in 0..self.samples.p {
             if self.control.is_stopped() {
                 break;
             }
-            if let Some(found) = self.new_split(view, asked, f, upper) {
+            if let Some(found) = self.new_split(view, asked, f, &shares, upper) {
                 upper = found.0;
                 best = Some(found);
             }
@@ -45,14 +60,10 @@ impl Parts<'_> {
     }
 
     /// The best tree with a new split of feature `f` at its root, if it costs less than `upper`.
-    fn new_split(&mut self, view: &View, asked: &Asked, f: usize, mut upper: i64) -> Found {
+    fn new_split(&mut self, view: &View, asked: &Asked, f: usize, shares: &[Share], mut upper: i64) -> Found {
         let rows = self.rules_below(asked.old);
         let depth = asked.depth - 1;
-        let shares = shares(asked.changes - 1, self.most_changes(rows, depth));
-        let mut axes: Vec<Axis> = Vec::new();
-        for &share in &shares {
-            axes.push(self.axis(view, f, (depth, rows, share), upper));
-        }
+        let mut axes: Vec<Axis> = shares.iter().map(|share| self.axis(view, f, (depth, rows), share)).collect();
         let mut queue: VecDeque<Interval> = axes[0].whole().into_iter().collect();
         let mut views = [View::default(), View::default()];
         let mut best = None;
@@ -68,14 +79,14 @@ impl Parts<'_> {
             view.split(self.samples, f, position, &mut self.marks, &mut views);
             let slack = axes[0].slack(&interval, k);
             let (mut least, mut together) = ([i64::MAX; 2], i64::MAX);
-            for (axis, share) in axes.iter_mut().zip(&shares) {
+            for (axis, Share { changes, .. }) in axes.iter_mut().zip(shares) {
                 let mut bounds = <[i64; 2]>::from(axis.bounds(&interval, k));
-                for side in [0, 1].into_iter().filter(|&side| share[side] > 0) {
+                for side in [0, 1].into_iter().filter(|&side| changes[side] > 0) {
                     if bounds[0] + bounds[1] >= target {
                         break;
                     }
                     let most = target + slack - bounds[1 - side];
-                    let found = self.least(&views[side], (depth, rows[side], share[side]), most);
+                    let found = self.least(&views[side], (depth, rows[side], changes[side]), most);
                     bounds[side] = bounds[side].max(found);
                 }
                 axis.enter(k, bounds, [0, 0]);
@@ -97,22 +108,15 @@ impl Parts<'_> {
     }
 
     /// The cuts of a feature for trees of a share of the changes.
-    fn axis(
-        &mut self,
-        view: &View,
-        f: usize,
-        (depth, rows, share): (usize, [Option<usize>; 2], [usize; 2]),
-        upper: i64,
-    ) -> Axis {
-        let whole = [0, 1].map(|side| self.least(view, (depth, rows[side], share[side]), upper));
+    fn axis(&self, view: &View, f: usize, (depth, rows): (usize, [Option<usize>; 2]), share: &Share) -> Axis {
         let (samples, kept) = (self.samples, self.kept.as_deref().unwrap_or_default());
         let kept = rows.map(|row| &kept[row.unwrap_or(kept.len() - 1)]);
         let n_leaves = kept.iter().map(|kept| kept.n_leaves).max().unwrap_or(1).max(1 << depth.min(20));
         let mut axis = Axis::default();
         axis.lay(samples, view, f, n_leaves, 0, &Switches::default());
         let last = axis.last();
-        (axis.left[last], axis.right[0]) = (whole[0], whole[1]);
-        for side in [0, 1].into_iter().filter(|&side| share[side] == 0) {
+        [axis.left[last], axis.right[0]] = share.whole;
+        for side in [0, 1].into_iter().filter(|&side| share.changes[side] == 0) {
             let costs = kept[side].costs(samples, view, f, (&axis.positions[..=last], side));
             axis.take_up_costs(side, &costs);
         }
