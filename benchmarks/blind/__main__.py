@@ -33,7 +33,6 @@ def main() -> None:
     parser.add_argument("--without", type=float, default=1.0, help="share diagnosed without commissioning run too")
     parser.add_argument("--family", action="append", choices=FAMILIES, help="of assets; may be given more than once")
     parser.add_argument("--strata", choices=SETS, default="main", help="sound: noises, two tests, wrong runs")
-    parser.add_argument("--asset-mesh", type=float, default=1.3, help="refinement of femlib's asset")
     parser.add_argument("--twin-mesh", type=float, default=1.0, help="refinement of the twin")
     parser.add_argument("--selector", action="append", choices=SELECTORS, help="what answers; may be given twice")
     options = parser.parse_args()
@@ -48,7 +47,6 @@ def main() -> None:
         options.jobs,
         options.without,
         tuple(options.family or available()),
-        options.asset_mesh,
         options.twin_mesh,
         options.strata,
         tuple(options.selector or SELECTORS),

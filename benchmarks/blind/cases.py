@@ -29,7 +29,7 @@ SOUND = {f"noise: {kind}": 1.0 for kind in NOISES} | {
 SETS: Mapping[str, Mapping[str, float]] = {"main": SHARES, "sound": {s: n / len(SOUND) for s, n in SOUND.items()}}
 WRONG_RUNS: Mapping[str, tuple[Truth, ...]] = {
     "own": (), "damaged": (), "warm": (Truth("temperature_uniform", 10.0),),
-    "other wing": (Truth("outside", 0.03, "other_wing", {"seed": 0, "spot": ""}),),
+    "other wing": (Truth("outside", 0.03, "other_wing", {"seed": 0}),),
 }  # fmt: skip
 """What a commissioning run was taken with besides what it says; one more is that of a damaged asset."""
 MIXED_NOISES = ("AR(1) 0.3", "AR(1) 0.3", "AR(1) 0.3", "heavy", "heteroscedastic", "quantised")

@@ -11,12 +11,11 @@ from typing import Any
 
 from benchmarks.blind.answers import Found, Task, code
 from benchmarks.blind.assets.families import available, made
-from benchmarks.blind.assets.shells import REFINEMENT
 from benchmarks.blind.reliability import draw
 from benchmarks.blind.sealing import Key, seal
 from benchmarks.blind.selectors import answer
 from benchmarks.blind.sound import sound_tables
-from benchmarks.blind.tables import all_tables, foreign
+from benchmarks.blind.tables import all_tables
 from benchmarks.seals import open_keys
 from benchmarks.tables import whole_lines
 
@@ -33,8 +32,8 @@ class Plan:
         share of the cases diagnosed without commissioning run too.
     families
         of assets, each with its share of the cases.
-    asset_mesh, twin_mesh
-        refinements.
+    twin_mesh
+        refinement of the twin.
     strata
         of `cases.SETS`: "main", or "sound" for assets with which nothing is wrong.
     selectors
@@ -46,7 +45,6 @@ class Plan:
     jobs: int = 2
     without: float = 1.0
     families: tuple[str, ...] = available()
-    asset_mesh: float = REFINEMENT
     twin_mesh: float = 1.0
     strata: str = "main"
     selectors: tuple[str, ...] = ("diagnosis", "plain")
@@ -111,7 +109,7 @@ def begun_seed(folder: Path) -> int | None:
 
 
 def _seal(folder: Path, keys: Path, plan: Plan) -> None:
-    assets = [made(name, plan.seed, keys, plan.asset_mesh, plan.jobs) for name in plan.families]
+    assets = [made(name, plan.seed, keys) for name in plan.families]
     seal(folder, keys, plan.seed, plan.count, assets, plan.strata)
 
 
@@ -156,12 +154,12 @@ def _tasks(folder: Path, plan: Plan) -> list[Task]:
 
 
 def _tables(folder: Path, found: Mapping[str, Sequence[Found]], answers: Mapping[str, Key], plan: Plan) -> list[str]:
-    """Return all tables; draw the reliability of the first selector and, of foreign families, of each kind."""
+    """Return all tables; draw the reliability of the first selector."""
     told = {_called(selector): [(f, answers[f["name"]]) for f in part] for selector, part in found.items()}
     if plan.strata == "sound":
         return sound_tables(told)
     with_run = [(f, a) for f, a in next(iter(told.values())) if f["calibrated"]]
-    draw(folder / "reliability.svg", "Foreign families, with the commissioning run", foreign(with_run))
+    draw(folder / "reliability.svg", "With the commissioning run", with_run)
     return all_tables(told)
 
 
@@ -173,8 +171,8 @@ def _called(selector: str) -> str:
 def _heading(plan: Plan, count: int, clock: Sequence[float]) -> str:
     seconds = [f"{what} in {b - a:.0f} s" for what, a, b in zip(_STEPS, clock, clock[1:], strict=False)]
     return (
-        f"Seed {plan.seed}, {count} cases, code {code()}, {plan.jobs} processes; asset's mesh {plan.asset_mesh:g}, "
-        f"twin's {plan.twin_mesh:g}; {', '.join(seconds)}."
+        f"Seed {plan.seed}, {count} cases, code {code()}, {plan.jobs} processes; twin's mesh "
+        f"{plan.twin_mesh:g}; {', '.join(seconds)}."
     )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from benchmarks.blind.assets.families import OWN, in_order, slug
+from benchmarks.blind.assets.families import in_order, slug
 from benchmarks.blind.guards import guards
 from benchmarks.blind.reliability import errors
 from benchmarks.blind.score import Pair, by_effect, figures, is_standard, strata
@@ -32,7 +32,7 @@ def all_tables(told: Told) -> list[str]:
         table("Without a commissioning run", _beside(without)),
         table("Families, with the commissioning run", _families(with_run)),
         table("Families, without a commissioning run", _families(without)),
-        table("Own and foreign families, with the commissioning run", spread(with_run)),
+        table("Range over the families, with the commissioning run", spread(with_run)),
         table("Reliability, with the commissioning run", _reliability(with_run)),
         table(
             "Single effects",
@@ -58,29 +58,15 @@ def of_family(cases: Sequence[Pair], family: str) -> list[Pair]:
 
 
 def families_of(cases: Sequence[Pair]) -> list[str]:
-    """Return the families of cases, the own one first."""
+    """Return the families of cases in the order of `families.FAMILIES`."""
     return in_order({a["case"]["family"] for _, a in cases})
 
 
-def foreign(cases: Sequence[Pair]) -> list[Pair]:
-    """Return the cases of assets that another hand modelled."""
-    return [(f, a) for f, a in cases if slug(a["case"]["family"]) != OWN]
-
-
 def spread(told: Told) -> dict[str, list[Figure]]:
-    """Return the figures of the own family, of all foreign ones, what these lack, and the range over the families."""
+    """Return the largest figure of a family less the least."""
     cases = next(iter(told.values()))
-    own = [(f, a) for f, a in cases if slug(a["case"]["family"]) == OWN]
-    first, second = figures(own), figures(foreign(cases))
     every = [figures(of_family(cases, name)) for name in families_of(cases)]
-    beside = {f"{name}, foreign": judged(foreign(part)) for name, part in list(told.items())[1:]}
-    return {
-        "own family": first,
-        "foreign families": second,
-        **beside,
-        "foreign less own": [_difference(a, b) for a, b in zip(first, second, strict=True)],
-        "largest less least of the families": [_range(rows) for rows in zip(*every, strict=True)],
-    }
+    return {"largest less least of the families": [_range(rows) for rows in zip(*every, strict=True)]}
 
 
 def _beside(told: Told) -> dict[str, list[Figure]]:
@@ -101,8 +87,7 @@ def _families(told: Told) -> dict[str, list[Figure]]:
 def _reliability(told: Told) -> Mapping[str, Sequence[Figure]]:
     (_, cases), *others = told.items()
     columns = {slug(name): errors(of_family(cases, name)) for name in families_of(cases)}
-    beside = {f"{name}, foreign": errors(foreign(part)) for name, part in others}
-    return {**columns, "foreign families": errors(foreign(cases)), **beside}
+    return {**columns, "all families": errors(cases), **{name: errors(part) for name, part in others}}
 
 
 def _difference(own: Figure, other: Figure) -> Figure:

@@ -10,10 +10,9 @@ from benchmarks.blind.assets.asset import Asset, log_uniform
 
 
 class Extra(TypedDict, total=False):
-    """Further data of a change outside the library: the seed of its own draws, the name of a hot spot."""
+    """Further data of a change outside the library: the seed of its own draws."""
 
     seed: int
-    spot: str
 
 
 @dataclass(frozen=True)
@@ -90,8 +89,7 @@ def draw_outside(rng: np.random.Generator, asset: Asset) -> Truth:
     kind = str(rng.choice(asset.outside))
     size = log_uniform(rng) * float(rng.choice([-1.0, 1.0]))
     seed = int(rng.integers(2**31))
-    spot = str(rng.choice(asset.hot_spots)) if asset.hot_spots else ""
-    return Truth("outside", size, kind, {"seed": seed, "spot": spot})
+    return Truth("outside", size, kind, {"seed": seed})
 
 
 def draw_channel(rng: np.random.Generator, asset: Asset) -> Truth:

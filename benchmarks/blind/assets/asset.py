@@ -1,8 +1,7 @@
 """The asset of the sealed cases, whatever computes its strains: what a family must answer.
 
 Everything about effects is this package's own: forces, constants, the order in which structure and measuring chain
-act. It never imports a signature of the diagnosis or of `femlib.wing.effects`. A family overrides the formulas here by
-its own wherever it has some.
+act. It never imports a signature of the diagnosis or of `femlib.wing.effects`.
 """
 
 from abc import ABC, abstractmethod
@@ -11,7 +10,6 @@ from dataclasses import dataclass
 from typing import ClassVar, TypeVar, cast
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from benchmarks.blind.assets.moment import History, Moment, State
 from femlib.arrays import FloatArray
@@ -27,8 +25,6 @@ STEP = 0.02
 LENGTH = 0.07
 """Typical length of a debond, span fractions: the bond is gone over 0.3 to 3 times this."""
 HOUR = 3600.0
-CREEP_POWER = 0.22
-TRANSVERSE = 1.33
 CHORDS = ((435.61, 433.0), (261.112, 260.0))
 """Designed and manufactured chord at root and tip [mm], of the public geometry table."""
 SPANS = (1828.8, 1828.0)
@@ -81,7 +77,7 @@ class Asset(ABC):
         was measured where that is more.
     gauges, eta, row, span
         of the gauges that lie in no region: name, span fraction, chordwise row; half-span [m].
-    payloads, hot_spots, lifts
+    payloads, lifts
         names of the fields that were drawn for this set.
     flaws
         local faults that were drawn for it.
@@ -91,7 +87,6 @@ class Asset(ABC):
     states: tuple[State, ...] = STATES
     n_places: ClassVar[Mapping[str, int]] = {
         "payload_inertia": 8,
-        "hot_spot": 4,
         "damage_outside_library": 10,
         "spar_skin_debond": 8,
     }
@@ -102,7 +97,6 @@ class Asset(ABC):
     row: FloatArray
     span: float
     payloads: list[str]
-    hot_spots: list[str]
     lifts: list[str]
     flaws: list[Flaw]
 
@@ -139,15 +133,9 @@ class Asset(ABC):
         """Return the strains (n_gauges,) over the wing's own where the skins are stiffer by a share."""
         return np.asarray(1.0 / (1.0 + share * self.softness(state)))
 
+    @abstractmethod
     def built(self) -> FloatArray:
-        """Return the relative change of the strains (n_gauges,) by the manufactured planform.
-
-        Beam theory: strain M y / (E I) goes with 1 / chord^2, the moment of one lift with the span.
-        """
-        (root, built_root), (tip, built_tip) = CHORDS
-        chord = root + (tip - root) * self.eta
-        built = built_root + (built_tip - built_root) * self.eta
-        return np.asarray((chord / built) ** 2 * (SPANS[1] / SPANS[0]) - 1.0)
+        """Return the relative change of the strains (n_gauges,) by the manufactured planform."""
 
     def crept(self, times: FloatArray, history: History) -> FloatArray:
         """Return the load factor (n,) as creep weighs it, 1 an hour after a load of 1: a power law.
@@ -158,16 +146,14 @@ class Asset(ABC):
         weighed = [(load - last) * self.creep(times - start) for (load, start), last in steps]
         return np.asarray(np.sum(weighed, axis=0))
 
+    @abstractmethod
     def creep(self, since: FloatArray) -> FloatArray:
         """Return the creep (n,) a time [s] after a load, 1 after an hour."""
-        return np.asarray((np.maximum(since, 0.0) / HOUR) ** CREEP_POWER)
 
+    @abstractmethod
     def turned(self, gauge: int) -> float:
         """Return one less the strain across a gauge over that along it: what a turned gauge loses of its reading."""
-        return TRANSVERSE
 
+    @abstractmethod
     def slid(self, gauge: int, millimetres: float, moment: Moment, before: FloatArray) -> float:
-        """Return the change of a mean reading where its gauge sits outboard: a spline along its row (n_gauges,)."""
-        row = np.flatnonzero(self.row == self.row[gauge])
-        line = CubicSpline(self.eta[row], before[row])
-        return float(line(self.eta[gauge] + 1e-3 * millimetres / self.span) - before[gauge])
+        """Return the change of a mean reading (n_gauges,) where its gauge sits outboard."""

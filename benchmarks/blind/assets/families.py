@@ -5,15 +5,12 @@ from pathlib import Path
 
 from benchmarks.blind.assets.asset import Asset
 from benchmarks.blind.assets.beam.asset import BeamAsset
-from benchmarks.blind.assets.calculix import CalculixAsset
-from benchmarks.blind.assets.shells import REFINEMENT, FemlibAsset
 from benchmarks.blind.assets.springs.asset import SpringsAsset
 from benchmarks.ccx import has_ccx
 
-FAMILIES = ("femlib", "calculix", "springs", "beam")
-OWN = "femlib"
-"""The family that shares its code with the twin; the others are foreign."""
-NEED_CALCULIX = ("calculix", "springs")
+FAMILIES = ("springs", "beam")
+"""None shares its code with the twin."""
+NEED_CALCULIX = ("springs",)
 
 
 def available() -> tuple[str, ...]:
@@ -21,7 +18,7 @@ def available() -> tuple[str, ...]:
     return tuple(name for name in FAMILIES if has_ccx() or name not in NEED_CALCULIX)
 
 
-def made(name: str, seed: int, keys: Path, refinement: float = REFINEMENT, jobs: int = 1) -> Asset:
+def made(name: str, seed: int, keys: Path) -> Asset:
     """Return the asset of a family; what expensive runs found is kept beside the keys.
 
     Raises
@@ -33,11 +30,7 @@ def made(name: str, seed: int, keys: Path, refinement: float = REFINEMENT, jobs:
         raise SystemExit(f"there is no family {name!r}; expected one of {', '.join(FAMILIES)}; correct --family")
     if name not in available():
         raise SystemExit(f"family {name!r} needs ccx, which is not on the path; install CalculiX or leave it out")
-    if name == "calculix":
-        return CalculixAsset(seed, store=keys.with_suffix(".calculix.json"), jobs=jobs)
-    if name == "springs":
-        return SpringsAsset(seed, store=keys.with_suffix(".springs.json"), jobs=jobs)
-    return BeamAsset(seed) if name == "beam" else FemlibAsset(seed, refinement)
+    return BeamAsset(seed) if name == "beam" else SpringsAsset(seed, store=keys.with_suffix(".springs.json"))
 
 
 def slug(family: str) -> str:
@@ -46,5 +39,5 @@ def slug(family: str) -> str:
 
 
 def in_order(families: Iterable[str]) -> list[str]:
-    """Return the families of a set, the own one first."""
+    """Return the families of a set in the order of FAMILIES."""
     return sorted(families, key=lambda family: FAMILIES.index(slug(family)))

@@ -1,4 +1,4 @@
-"""Changes that no library holds; three kinds belong to each family."""
+"""Changes that no library holds; three kinds belong to a family."""
 
 from collections.abc import Callable, Mapping
 
@@ -23,42 +23,6 @@ SLIPS = 0.8
 
 def _dice(truth: Truth) -> np.random.Generator:
     return np.random.default_rng(truth.extra["seed"])
-
-
-def _hot_spot(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
-    """Sun on the upper skin between two ribs."""
-    return 12.0 * truth.size * asset.field(truth.extra["spot"], moment.state)
-
-
-def _quadratic_gauges(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
-    """Gauges that are not straight, each in its own way."""
-    signs = _dice(truth).choice([-1.0, 1.0], len(asset.gauges))
-    return np.asarray(truth.size * 25.0 * (before / 2000.0) ** 2 * signs)
-
-
-def _rib_field(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
-    """Ribs that hold the skin otherwise than the model's: a wave along the span."""
-    return truth.size * 15.0 * moment.load / 3.0 * np.sin(24.0 * np.pi * asset.eta + _dice(truth).uniform(0, 2 * np.pi))
-
-
-def _patchy_gain(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
-    dice = _dice(truth)
-    return before * truth.size * 0.02 * dice.standard_normal(before.shape[1]) * (dice.random(before.shape[1]) < 0.6)
-
-
-def _hysteresis(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
-    """Joints that stick and slip: the square root of the load, up or down at each gauge."""
-    signs = _dice(truth).choice([-1.0, 1.0], len(asset.gauges))
-    return np.asarray(truth.size * 15.0 * np.sqrt(np.abs(moment.load) / 3.0) * signs)
-
-
-def _passing_sun(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
-    """Return the strains of a sun that comes and goes on one part of the wing.
-
-    One that only grew would look like a damage, as the loads are measured in ascending order.
-    """
-    course = np.sin(np.pi * moment.times[:, None] / SUNSHINE)
-    return 15.0 * truth.size * course * asset.field(truth.extra["spot"], moment.state)
 
 
 def _buckled_panel(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) -> FloatArray:
@@ -108,8 +72,6 @@ def _other_wing(truth: Truth, asset: Asset, moment: Moment, before: FloatArray) 
 
 
 OUTSIDE: Mapping[str, Change] = {
-    "hot_spot": _hot_spot, "quadratic_gauges": _quadratic_gauges, "rib_field": _rib_field,
-    "patchy_gain": _patchy_gain, "hysteresis": _hysteresis, "passing_sun": _passing_sun,
     "other_wing": _other_wing, "loose_rib": _loose_rib, "slack_joint": _slack_joint, "lead_wires": _lead_wires,
     "buckled_panel": _buckled_panel, "tip_cable": _tip_cable, "moist_skin": _moist_skin,
 }  # fmt: skip

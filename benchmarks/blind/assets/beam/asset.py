@@ -51,7 +51,6 @@ class BeamAsset(Asset):
     family = "beam"
     n_places: ClassVar[Mapping[str, int]] = {
         "payload_inertia": 8,
-        "hot_spot": 0,
         "damage_outside_library": 10,
         "spar_skin_debond": 8,
     }
@@ -69,7 +68,6 @@ class BeamAsset(Asset):
         rng = np.random.default_rng([seed, 78])
         payloads = rng.uniform(0.4, 0.95, self.n_places["payload_inertia"])
         self.payloads = [f"payload_inertia:{eta:.3f}" for eta in payloads]
-        self.hot_spots = []
         self.lifts = [f"lift_distribution:{kind}" for kind in LIFT_KINDS]
         self.flaws = list(self._flaws(rng))
 

@@ -50,7 +50,6 @@ class SpringsAsset(Asset):
     states = tuple(STATES[k] for k in (0, 3, 4))
     n_places: ClassVar[Mapping[str, int]] = {
         "payload_inertia": 3,
-        "hot_spot": 0,
         "damage_outside_library": 5,
         "spar_skin_debond": 4,
     }
@@ -67,7 +66,6 @@ class SpringsAsset(Asset):
         self.payloads = [
             f"payload_inertia:{eta:.3f}" for eta in rng.uniform(0.4, 0.95, self.n_places["payload_inertia"])
         ]
-        self.hot_spots = []
         self.lifts = [f"lift_distribution:{kind}" for kind in loads.LIFT_KINDS]
         self.flaws = list(self._flaws(rng))
         self._read = self._run(store, jobs)
