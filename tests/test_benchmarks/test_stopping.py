@@ -46,7 +46,7 @@ def test_a_last_line_that_was_cut_off_is_removed(tmp_path):
 
 
 def test_a_sealed_set_goes_on_with_its_own_plan_only(tmp_path):
-    plan = Plan(7, count=3, families=("femlib",))
+    plan = Plan(7, count=3, families=("beam",))
     assert unfinished(tmp_path, None).parent == tmp_path
     folder = unfinished(tmp_path, 7)
     folder.mkdir()

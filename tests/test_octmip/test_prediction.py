@@ -5,7 +5,7 @@ import pytest
 
 import octmip
 from octmip.errors import TreeError
-from octmip.trees.nodes.prediction import LEAST_ROWS, reached_leaves
+from octmip.trees.nodes.prediction import FEW_ROWS, reached_leaves
 from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, leaf_index, predict
 
 
@@ -23,7 +23,7 @@ def drawn(rng, levels, takes_missing):
 @pytest.mark.parametrize("seed", range(20))
 def test_the_core_reaches_the_leaves_of_the_reference(seed, dtype):
     rng = np.random.default_rng(seed)
-    rows = rng.normal(size=(LEAST_ROWS + 7, 4)).round(1).astype(dtype)
+    rows = rng.normal(size=(FEW_ROWS + 7, 4)).round(1).astype(dtype)
     rows[rng.random(rows.shape) < 0.01] = rng.choice([np.inf, -np.inf])
     if seed % 2:
         rows[rng.random(rows.shape) < 0.1] = np.nan
@@ -34,11 +34,11 @@ def test_the_core_reaches_the_leaves_of_the_reference(seed, dtype):
 
 def test_one_leaf_at_two_places_is_two_leaves():
     leaf = Leaf(1)
-    rows = np.linspace(-1.0, 1.0, LEAST_ROWS)[:, None]
+    rows = np.linspace(-1.0, 1.0, FEW_ROWS)[:, None]
     assert set(reached_leaves(Split(0, 0.0, leaf, leaf), rows).tolist()) == {0, 1}
 
 
-@pytest.mark.parametrize("n", [4, 4 * LEAST_ROWS])
+@pytest.mark.parametrize("n", [4, 4 * FEW_ROWS])
 def test_a_threshold_between_two_numbers_of_32_bits_is_not_rounded(n):
     """Before: NumPy rounded the threshold to float32, here to the upper of both, and sent that one left."""
     low = np.nextafter(np.float32(1.0), np.float32(2.0))
@@ -52,13 +52,13 @@ def test_a_threshold_between_two_numbers_of_32_bits_is_not_rounded(n):
 
 
 def test_a_missing_reading_without_a_side_is_refused_in_the_same_words():
-    rows = np.zeros((LEAST_ROWS, 2))
+    rows = np.zeros((FEW_ROWS, 2))
     rows[17, 1] = np.nan
     with pytest.raises(TreeError, match="row 17 lacks its reading of feature 1"):
         octmip.predict(Split(1, 0.5, Leaf(0), Leaf(1)), rows)
 
 
-@pytest.mark.parametrize("n", [4, LEAST_ROWS])
+@pytest.mark.parametrize("n", [4, FEW_ROWS])
 def test_a_table_that_lacks_a_column_is_refused_in_words(n):
     """Before: "index 3 is out of bounds", without a word of what to do."""
     with pytest.raises(TreeError, match="features has 2 columns, but the tree asks for feature 3"):
@@ -66,6 +66,6 @@ def test_a_table_that_lacks_a_column_is_refused_in_words(n):
 
 
 def test_rows_in_another_order_and_hyperplanes_go_by_the_reference():
-    rows = np.asfortranarray(np.random.default_rng(0).normal(size=(LEAST_ROWS, 3)))
+    rows = np.asfortranarray(np.random.default_rng(0).normal(size=(FEW_ROWS, 3)))
     tree = Split(2, 0.1, Leaf(0), HyperplaneSplit((0, 1), (1.0, -1.0), 0.0, Leaf(1), Leaf(2)))
     assert np.array_equal(octmip.predict(tree, rows), predict(tree, rows))

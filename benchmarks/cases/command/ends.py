@@ -39,7 +39,6 @@ WORDS: Mapping[str, tuple[str, ...]] = {
     "monitor": ("--twin", "asset:Cracked", "--noise", "2", "--depth", "1", *OUT),
     "report": ("tree.json", DATA, "--out", "new/made.html"),
     "doctor": (),
-    "completion": ("bash",),
 }
 SAYS_BESIDE = ("predict", "report")
 """What they make is their file; nothing is left for standard output."""

@@ -50,7 +50,6 @@ ANSWERS: Mapping[str, tuple[str, ...]] = {
     "monitor": ("--twin", "asset:Cracked", "--noise", "2", "--depth", "4", "--out", "cracked", "--json"),
     "report": ("tree.json", "small.csv", "--out", "page.html"),
     "doctor": ("--json",),
-    "completion": ("bash",),
 }
 """The words behind each command."""
 

@@ -19,7 +19,7 @@ from octmip.input.names import visible
 from octmip.trees.answer.interruption import is_heard
 
 NEEDED: Mapping[str, str] = MappingProxyType(
-    {name: name for name in ("numpy", "scipy", "pandas", "joblib", "highspy", "shtab")} | {"scikit-learn": "sklearn"}
+    {name: name for name in ("numpy", "scipy", "pandas", "joblib", "highspy")} | {"scikit-learn": "sklearn"}
 )
 """The packages that every installation has, and the module of each."""
 

@@ -37,7 +37,6 @@ COMMANDS = {
     "monitor": "make trees, page and C code that read an asset's state from few sensors, from its twin",
     "report": "show a tree file in words, or as a page, Markdown or a drawing",
     "doctor": "check this installation: versions, native core, extras, memory",
-    "completion": "print the script that lets a shell complete octmip's words",
 }
 MODULES = {"near-optimal": "sets.near_optimal", "sensors": "sets.sensors"}
 """Modules of the commands that do not bear their name."""

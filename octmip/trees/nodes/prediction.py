@@ -15,8 +15,8 @@ from octmip.input.named_arrays import columns_of, numbers_in
 from octmip.trees.nodes import tree as reference
 from octmip.trees.nodes.tree import Leaf, Node, Split, depth, features_used, leaf_index, leaves, nodes
 
-LEAST_ROWS = 1000
-"""Rows below which the lists of the tree take longer than the predictions."""
+FEW_NODES, FEW_ROWS = 12, 1000
+"""Of a tree and a table so small the lists of the tree take longer than the predictions."""
 
 
 def predict(tree: Node, features: Any) -> NDArray[np.int64]:
@@ -72,10 +72,11 @@ def reached_leaves(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int6
             "(counted from 0); expected the columns of training in their order; give all of them"
         )
     is_plain = isinstance(features, np.ndarray) and features.ndim == 2 and features.dtype in (np.float64, np.float32)
-    if not is_plain or len(features) < LEAST_ROWS or not features.flags.c_contiguous:
-        return leaf_index(tree, features)
     every = list(nodes(tree))
-    if isinstance(tree, Leaf) or any(not isinstance(node, Leaf | Split) for node in every):
+    is_small = len(every) < FEW_NODES and len(features) < FEW_ROWS
+    if not is_plain or is_small or isinstance(tree, Leaf) or not features.flags.c_contiguous:
+        return leaf_index(tree, features)
+    if any(not isinstance(node, Leaf | Split) for node in every):
         return leaf_index(tree, features)
     from octmip.trees import _native  # the core is loaded by whoever needs it
 

@@ -300,8 +300,11 @@ def complexity(tree: Node) -> int:
 
 def features_used(tree: Node) -> tuple[int, ...]:
     """Return the features that some split, or some linear leaf, reads, ascending."""
-    read = {feature for split in splits(tree) for feature in split.features}
-    return tuple(sorted(read.union(*(leaf.features for leaf in leaves(tree) if isinstance(leaf, ValueLeaf)))))
+    read: set[int] = set()
+    for node in nodes(tree):
+        if not isinstance(node, Leaf) or isinstance(node, ValueLeaf):
+            read.update(node.features)
+    return tuple(sorted(read))
 
 
 def with_sides_for_missing(tree: Node, features: NDArray[np.float64], weights: NDArray[np.float64]) -> Node:

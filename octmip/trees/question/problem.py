@@ -303,9 +303,20 @@ class Problem:
 
     def replace(self, **changes: Any) -> "Problem":
         """Return the problem with other values of some keywords that a Problem takes."""
-        parts = (self.samples, self.shape)
-        given: Any = {one.name: getattr(part, one.name) for part in parts for one in fields(part) if one.init}
+        given: Any = {one.name: getattr(self.shape, one.name) for one in fields(self.shape) if one.init}
+        if changes.keys() <= given.keys() - {"split"}:  # what splits read says how the samples are kept
+            return self._of_shape({**given, **changes})
+        given |= {one.name: getattr(self.samples, one.name) for one in fields(self.samples) if one.init}
         return Problem(**{**given, "loss": self.loss, **changes})
+
+    def _of_shape(self, settings: Any) -> "Problem":
+        """Return the problem of the same samples, which were checked before, and another shape."""
+        problem, samples = object.__new__(Problem), self.samples
+        shape = Shape(**settings, feature_names=samples.feature_names, n_samples=samples.n_samples)
+        for name, part in {"samples": samples, "loss": self.loss, "shape": shape}.items():
+            set_field(problem, name, part)
+        problem._check_together()
+        return problem
 
     def of_rows(self, rows: NDArray[Any], **others: Any) -> "Problem":
         """Return the problem of some samples: `rows` are indices in their order, or a mask; `others` other keywords."""

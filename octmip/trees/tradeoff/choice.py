@@ -49,10 +49,12 @@ RULES: Mapping[Rule, Nearness] = {
 """How near the least validation cost the simplest is chosen."""
 DEFAULT_RULE: Rule = "paired"
 N_FOLDS = 5
-DEFAULT_SOLVES = 8
+DEFAULT_SOLVES = 5
 """Of each path of the default choice."""
 PATH_WORK = 5e7
 """Nodes times readings that a solve of a path may take, some tenths of a second: a limit that no other work moves."""
+SOLVES_OF_BOUND = 20
+"""The bound of a tree that is not proven may take as many nodes as so many solves of a path."""
 SHARE_OF_PATHS = 0.7
 """Of the time limit of a default choice; the rest is the chosen tree's."""
 
@@ -250,7 +252,8 @@ def choose_tree(
         final, known = _fitted(problem, chosen, paths[kinds.index(chosen.family)])
         ends = -math.inf if is_interrupted else start + seconds
         left = replace(limits, nodes=math.inf, seconds=max(0.0, min(limits.seconds, ends - time.perf_counter())))
-        solution = solve_in_family(final, chosen.family, Run(method, left, seed, options=shared), known)
+        of_bound = SOLVES_OF_BOUND * limits.nodes
+        solution = solve_in_family(final, chosen.family, Run(method, left, seed, options=shared), known, of_bound)
     is_cart = np.array([step.family.method == "cart" for step in steps])
     expectation = together.expectation(RULES[rule], is_cart, seed)
     fold, n_left_out = fold_numbers(problem, pairs), len(kinds) - n_kinds

@@ -23,15 +23,15 @@ from octmip.trees.runs.registry import Method, Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.path import PenaltyPath, trace_impurity, trace_run
 
-PROVEN_DEPTHS, PROVEN_CUTS = (1, 2, 3, 4), 5
+PROVEN_DEPTHS, PROVEN_CUTS = (3, 4), 5
 SEARCHED_DEPTH, SEARCHED_CUTS = 8, 10
 CUTS_OF_NUMBERS = 10
 UNPROVEN_DEPTHS = (1, 2, 3)
 """Of hyperplanes and linear leaves."""
-SPLITS_OF_CART = 20
-"""So many may CART's tree have for each node that a search may take: a split is that much less work."""
 MOST_BOUND_SECONDS = 10.0
 """For the bound of a searched tree; without a limit its proof could take for ever."""
+SPLITS_OF_CART = 20
+"""So many may CART's tree have for each node that a search may take: a split is that much less work."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +136,7 @@ def trace_families(
         path = (
             trace_impurity(cut, limited, grown)
             if family.by_impurity and grown is not None
-            else trace_run(cut, limited, own, most_solves, grown)
+            else trace_run(cut, limited, own, most_solves, grown, least_width=2)
         )
         if paths and time.perf_counter() > start + seconds:
             break
@@ -151,13 +151,12 @@ def trace_families(
     return paths
 
 
-def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> Solution:
+def solve_in_family(problem: Problem, family: Family, run: Run, known: Node, bound_nodes: float = math.inf) -> Solution:
     """Return the best tree of a family for a problem with its depth; `known` is one over readings, at least as good.
 
-    A bound holds for the trees that cut where the family does, and `details["scope"]` says so; where
-    that is, for each feature, stands in `details["cuts"]`. Of CART's prunings
-    `known` itself is returned. Where a tree is searched, a proof gives the bound for some seconds, and its tree where
-    it is finished.
+    A bound holds for the trees that cut where the family does, and `details["scope"]` says so; where that is, for each
+    feature, stands in `details["cuts"]`. Of CART's prunings `known` itself is returned. Where a tree is searched, a
+    proof of so many nodes gives the bound, and its tree where it is finished.
 
     Raises
     ------
@@ -165,12 +164,12 @@ def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> 
         a solver failed.
     """
     if family.method == "cart":
-        return _bounded(problem, greedy_solution(problem, known, run.seed), run, keeps_tree=True)
+        return _bounded(problem, greedy_solution(problem, known, run.seed), run, bound_nodes, keeps_tree=True)
     grid = None if family.n_cuts is None else Coarse.of(problem, family.n_cuts)
     cut, tree = (problem, known) if grid is None else (grid.problem, grid.over_intervals(known))
     found = solve_run(cut, family.run(run), tree)
     if family.method == "search":
-        found = _bounded(cut, found, run)
+        found = _bounded(cut, found, run, bound_nodes)
     if grid is None:
         return found
     assert found.tree is not None
@@ -179,14 +178,14 @@ def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> 
     return replace(found, tree=grid.over_readings(found.tree), details={**found.details, **scope})
 
 
-def _bounded(problem: Problem, found: Solution, run: Run, *, keeps_tree: bool = False) -> Solution:
+def _bounded(problem: Problem, found: Solution, run: Run, nodes: float, *, keeps_tree: bool = False) -> Solution:
     """Return a solution with the bound of a proof that ends soon; proven optimal, the proof's own unless it is kept."""
     if problem.shape.split != "axis" or not problem.is_provable:
         return found
     seconds = max(0.0, min(MOST_BOUND_SECONDS, run.limits.seconds - found.seconds))
     if seconds == 0:
         return found
-    limits = replace(run.limits, seconds=seconds)
+    limits = replace(run.limits, seconds=seconds, nodes=nodes)
     proof = solve_run(problem, replace(run, method="exact", limits=limits), found.tree)
     if proof.meets_bound and not keeps_tree:
         return proof

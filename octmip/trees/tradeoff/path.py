@@ -164,10 +164,13 @@ def trace_run(
     incumbents: Iterable[Node] = (),
     most_solves: int = MOST_SOLVES,
     grown: Solution | None = None,
+    least_width: int = 1,
 ) -> PenaltyPath:
     """Return what `trace_path` returns (and raise what it raises) for the fields of a run.
 
-    Of method "cart" `grown` is the tree to prune, where it is there already.
+    Of method "cart" `grown` is the tree to prune, where it is there already. Of methods that vary the penalty an edge
+    of the hull is looked at where its trees differ by `least_width` in complexity: with 2 no solve is spent where no
+    tree can lie between the two, and the path is seldom whole.
     """
     if most_solves < 1:
         raise ProblemError(f"most_solves is {most_solves}; expected 1 or more; raise it")
@@ -177,8 +180,10 @@ def trace_run(
         for tree in (free.best_leaf(), *incumbents):
             tracer.add(tree)
         name = chosen_method(problem, run.method)
-        go = tracer.by_splits if name in BY_SPLITS else tracer.by_pruning if name == "cart" else tracer.by_penalty
-        is_whole = go(most_solves)
+        if name in BY_SPLITS or name == "cart":
+            is_whole = (tracer.by_pruning if name == "cart" else tracer.by_splits)(most_solves)
+        else:
+            is_whole = tracer.by_penalty(most_solves, least_width)
     return tracer.path(is_whole)
 
 
@@ -246,18 +251,17 @@ class _Tracer:
         if known.complexity not in self.best or known.cost < self.best[known.complexity].cost:
             self.best[known.complexity] = known
 
-    def by_penalty(self, most_solves: int) -> bool:
+    def by_penalty(self, most_solves: int, least_width: int) -> bool:
         """Divide the edges of the hull, the largest first; return whether all have been looked at."""
         self._solve_at(0.0)
         while not self.is_interrupted:
             hull = self.hull()
             edges = [(a, b) for a, b in pairwise(hull) if a.slope_to(b) not in self.bounds]
-            if not edges:
-                return True
-            if self.n_solves >= most_solves:
-                return False
+            wide = [(a, b) for a, b in edges if a.complexity - b.complexity >= least_width]
+            if not wide or self.n_solves >= most_solves:
+                return not edges
             # No tree between two neighbours of the hull can lie outside their triangle; its legs say how large it is.
-            larger, smaller = max(edges, key=lambda e: (e[0].complexity - e[1].complexity) * (e[1].cost - e[0].cost))
+            larger, smaller = max(wide, key=lambda e: (e[0].complexity - e[1].complexity) * (e[1].cost - e[0].cost))
             self._solve_at(larger.slope_to(smaller))
         return False
 
@@ -348,7 +352,10 @@ class _Tracer:
 
     def _is_proven(self, known: _Vertex, penalties: Sequence[float]) -> bool:
         """Whether no tree is better at any of some penalties."""
-        cost, bounds = self.free.exact_objective(known.tree), tuple(sorted(self.bounds.items()))
+        bounds = tuple(sorted(self.bounds.items()))
+        if not any(math.isfinite(bound) for _, bound in bounds):  # of a search: the price need not be exact
+            return False
+        cost = self.free.exact_objective(known.tree)
         prices = [cost + Fraction(penalty) * known.complexity for penalty in penalties]
         return all(self._meets(_bound_at(bounds, at), price) for at, price in zip(penalties, prices, strict=True))
 

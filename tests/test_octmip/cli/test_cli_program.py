@@ -1,4 +1,4 @@
-"""The octmip command as a program: help, completion, doctor, progress, streams that close, Ctrl-C."""
+"""The octmip command as a program: help, doctor, progress, streams that close, Ctrl-C."""
 
 import json
 import subprocess
@@ -71,7 +71,7 @@ def test_progress_shows_on_a_terminal_only(capsys, monkeypatch):
         assert "objective 9" not in err  # not again within a tenth of a second
 
 
-@pytest.mark.parametrize("name", ["solve", "certify", "predict", "compare", "frontier", "doctor", "completion"])
+@pytest.mark.parametrize("name", ["solve", "certify", "predict", "compare", "frontier", "doctor"])
 def test_every_help_ends_with_examples_that_the_parser_takes(capsys, name):
     assert main([name, "--help"]) == 0
     out = capsys.readouterr().out
@@ -80,19 +80,6 @@ def test_every_help_ends_with_examples_that_the_parser_takes(capsys, name):
     assert all(f"octmip {name}" in example for example in examples)
     assert out.splitlines()[0].startswith(f"usage: octmip {name}")
     assert len(out.splitlines()[0]) < 100
-
-
-@pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
-def test_completion_knows_every_command_and_option(run, shell):
-    code, out, err = run("completion", shell)
-    assert (code, err) == (0, "")
-    assert all(name in out for name in COMMANDS)
-    assert "holdout" in out
-
-
-def test_bash_takes_the_completion(run, tmp_path):
-    (tmp_path / "octmip.sh").write_text(run("completion", "bash")[1])
-    subprocess.run(["bash", "-n", str(tmp_path / "octmip.sh")], check=True)
 
 
 def test_doctor_finds_this_installation_in_order(run):
