@@ -35,6 +35,9 @@ LEFT_OUT = {
     "CONTACT PAIR": "contact", "CYCLIC SYMMETRY MODEL": "constraints", "EMBEDDED ELEMENT": "constraints",
     "SHELL TO SOLID COUPLING": "constraints",
     "NONSTRUCTURAL MASS": "masses", "FOUNDATION": "springs", "PRE-TENSION SECTION": "loads",
+    "RELEASE": "released ends", "BEAM SECTION OFFSET": "beams beside their nodes", "FASTENER": "joints",
+    "IMPERFECTION": "nodes beside their places", "MODEL CHANGE": "elements that come and go", "CONTACT": "contact",
+    "INITIAL CONDITIONS": "loads", "ADJUST": "nodes beside their places",
 }  # fmt: skip
 """Cards that change the structure and are no part of a mesh."""
 
@@ -113,6 +116,11 @@ class Deck:
         elif card.keyword in ("NSET", "ELSET"):
             self.waiting.append(card)
         elif card.keyword in TAKEN:
+            if unknown := next((word for row in card.rows for word in row if word.startswith("<")), ""):
+                raise InputError(
+                    f"{self.path} has {unknown} on a card *{card.keyword}, a parameter, which is not read; expected "
+                    "numbers; write the deck with them in its place"
+                )
             TAKEN[card.keyword](self, card)
         elif card.keyword in LEFT_OUT:
             self._say(f"*{card.keyword} ({LEFT_OUT[card.keyword]})", max(len(card.rows), 1))

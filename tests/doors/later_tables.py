@@ -19,6 +19,7 @@ TEXTS: dict[str, tuple[tuple[str, ...], tuple[tuple[object, ...], ...]]] = {
     "Booleans in capitals": (("TRUE", "FALSE", "n. a."), (("TRUE", "FALSE"), (True, False))),
     "numbers beside a word": (("1", "2", "x"), (("1", "2"), ("1.0", "2.0"), (1, 2))),
     "codes with zeros": (("01", "02", "x"), (("01", "02"), (1.0, 2.0))),
+    "accents behind letters": (("Ba\u0308r", "Wal", "Hai"), (("B\u00e4r", "Wal"),)),
     "blanks at the ends": (("steel ", "wood", "brass"), (("steel", "wood   "),)),
 }
 """What a column holds in training, and what may stand for its first two values later."""
@@ -60,6 +61,11 @@ def named_text(folder: Path) -> Path:
     return of("ab")(folder).rename(folder / "data.csv")
 
 
+def numbered(folder: Path) -> Path:
+    (folder / "data.csv").write_text("0.5,2,state\n" + "".join(f"{k},{k},{'ab'[k > 5]}\n" for k in range(12)))
+    return folder / "data.csv"
+
+
 def notes(path: Path) -> list[str]:
     found = json.loads(command("solve", path, "--label", "state", "--depth", 1, "--method", "cart", "--json"))["notes"]
     return [note.replace(str(path), "it") for note in found]
@@ -74,6 +80,7 @@ def in_units(trained: str, later: str, folder: Path) -> Paths:
 
 
 LEFT_OUT = ["'sample' of it names the rows, as pandas says in it, and is left out"]
+ROW = "names in line 1 are numbers; if it is a row, put a line with names above it"
 ROWS = [
     Row(
         f"octmip predict, {column}", "pandas", f"{case}, then {later}", partial(pair, column, trained, later), errors, 0
@@ -88,6 +95,7 @@ ROWS += [
     Row(
         "octmip solve", "Hive", "classes of bytes", of([b"a", b"b"]), notes, Refused(("b'a'", "of type bytes", "text"))
     ),
+    Row("octmip solve", "pandas", "names that are numbers", numbered, notes, [ROW]),
     Row("octmip solve", "pandas", "classes of lists", of([[1], [2]]), notes, Refused(("[1]", "row 1", "a text"))),
     Row("octmip solve", "pandas", "Parquet named .csv", named_text, notes, Refused(("is a Parquet file", "rename it"))),
 ]

@@ -52,8 +52,12 @@ _QUANTITIES = {
 }
 _LOGGER = frozenset({"TS", "RN", "NO.", "Time", "unitless", "bool", "text", "date", "none", "string"})
 """What a row of units says of columns that have none: time stamps and record numbers of a logger among them."""
-_LABELS = frozenset({"unit", "units", "einheit", "einheiten", "unité", "unités", "unidad", "unidades"})
-"""What a row of units has in a column of words, in any case."""
+_LABELS = frozenset(
+    {"unit", "units", "einheit", "einheiten", "unité", "unités", "unidad", "unidades"}
+    | {"continuous", "discrete", "class", "meta", "string", "integer", "real", "numeric", "double", "float", "boolean"}
+    | {"int32", "int64", "float32", "float64", "varchar", "timestamp", "i32", "i64", "f32", "f64", "str", "object"}
+)
+"""What a row of units has in a column of words, and a row of types in any, in any case."""
 _MEASURE = re.compile(r"(?!.*\d\s*(?:\*\*|\^)).{1,40}")
 """What is given to pint: no long text, and no power of a number, which may have any number of digits."""
 _BEHIND = re.compile(

@@ -32,8 +32,8 @@ DAY_NAMES = ("date", "day", "datum")
 SECONDS = 86_400
 MILLISECONDS = 1e11
 """Seconds since 1970 end below it (the year 5138), and milliseconds begin (March 1973)."""
-SERIAL = (2e4, 8e4)
-"""Days of spreadsheets, from 1954 to 2119."""
+SERIAL = ((2e4, 8e4), (7.1e5, 7.7e5))
+"""Days of spreadsheets, from 1954 to 2119, and of MATLAB, from 1943 to 2108."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -190,8 +190,11 @@ class CampaignColumns:
         notes: tuple[str, ...] = ()
         if known.size and np.abs(known).max() > MILLISECONDS:
             notes = ("Column time is read as seconds; it may count milliseconds: write time [ms] then.",)
-        elif known.size and SERIAL[0] < known.min() and known.max() < SERIAL[1] and 0.0 < np.ptp(known) < 30.0:
-            notes = ("Column time is read as seconds; it may count days, as spreadsheets do: write time [d] then.",)
+        elif known.size and 0.0 < np.ptp(known) < 30.0 and any(a < known[0] < b for a, b in SERIAL):
+            told = (
+                "Column time is read as seconds; it may count days, as spreadsheets and MATLAB do: write time [d] then."
+            )
+            notes = (told,)
         return values, notes
 
     def _written(self, texts: Sequence[str], present: Sequence[str]) -> tuple[Floats, tuple[str, ...]]:
@@ -284,16 +287,15 @@ def read_columns(
         if name in place:
             raise DataError(f"{table.name}: columns {place[name]!r} and {column!r} are both {name!r}; name it once")
         place[name], given[name] = column, unit or units.get(column, "")
-    _refuse_absent(table, place, gauges, loads)
     for column in unused:
-        meant = next(
-            (name for name in known if name not in place and _plain(name) == _plain(unit_behind(column)[0])), ""
-        )
+        plain = {_plain(column), _plain(unit_behind(column)[0])}
+        meant = next((name for name in known if name not in place and _plain(name) in plain), "")
         if meant:
             raise DataError(
                 f"{table.name}: column {column!r} is no gauge, load or state of the twin, which has {meant!r}; "
                 f"expected its name; write {meant!r}"
             )
+    _refuse_absent(table, place, gauges, loads)
     notes = table.notes
     unused = [column for column in unused if column.strip().lower() not in DAY_NAMES]
     if unused:
@@ -324,7 +326,10 @@ def _refuse_absent(table: Table, place: Mapping[str, str], gauges: Sequence[str]
                 f"{table.name}: column {name!r} is missing; got {several(table.columns, 6)}; add it to every row"
             )
     if not any(name in place for name in gauges):
-        raise DataError(f"{table.name}: no gauge column; expected names such as {several(gauges, 3)}; add the gauges")
+        raise DataError(
+            f"{table.name}: no gauge column; got {several(table.columns, 6)}; expected names such as "
+            f"{several(gauges, 3)}; add the gauges"
+        )
 
 
 def _plain(name: str) -> str:
