@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from femlib.checked import fortran_number
+from femlib.checked import fortran_number, reason_of
 from femlib.errors import InputError
 from femlib.structure.abaqus_cards import MIDDLE, WIDTHS, Card, cards_of, kind_of
 from femlib.structure.abaqus_part import (
@@ -66,7 +66,7 @@ def _told(path: Path, card: Card) -> Iterator[None]:
     except (ValueError, IndexError, KeyError, OverflowError) as error:
         if isinstance(error, InputError):
             raise
-        reason = f"{error} is not in the deck before it" if isinstance(error, KeyError) else str(error)
+        reason = f"{error} is not in the deck before it" if isinstance(error, KeyError) else reason_of(error)
         raise InputError(
             f"{path} could not be read as abaqus (card *{card.keyword}: {reason[:120]}); expected a whole deck; write "
             "it again"

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.checked import fortran_number
+from femlib.checked import fortran_number, reason_of
 from femlib.errors import InputError
 from femlib.structure.file_mesh import FileMesh, masks, wrong_kind
 from femlib.structure.nastran_cards import Card, cards_of
@@ -53,6 +53,8 @@ SILENT = re.compile(
 """Cards that leave the mesh as it is, and its material and sections to `Structure`."""
 REFUSED = re.compile(r"C(HEXA|TETRA|PENTA|PYRAM|IHEX|TRIAX|QUADX|SHEAR|QUAD$|CONEAX|PLST|PLSN|HAC|RAC|AX).*")
 """Elements that are no shells and no lines."""
+BESIDE = {"PSHELL": 16, "PCOMPP": 3}
+"""Properties of OptiStruct that may move shells off their nodes, and the field that says it."""
 DEFAULTS = ("BAROR", "BEAMOR")
 """Cards that hold for others before them too."""
 SYSTEM = r"CORD[12][RCS]"
@@ -80,8 +82,8 @@ def read_bulk(path: Path) -> FileMesh:
             if isinstance(error, InputError):
                 raise
             raise InputError(
-                f"{path} could not be read as nastran (card {card.name[:8]} {card.text(2)[:16]}: {str(error)[:100]}); "
-                "expected whole bulk data; write it again"
+                f"{path} could not be read as nastran (card {card.name[:8]} {card.text(2)[:16]}: "
+                f"{reason_of(error)[:100]}); expected whole bulk data; write it again"
             ) from error
     if is_rounded:
         bulk.say("last digits of nodes (gmsh rounds them; set its Mesh.BdfFieldFormat to 2)", len(bulk.grids))
@@ -122,6 +124,8 @@ class Bulk:
             self._line(card)
         elif card.name in ("PCOMP", "PCOMPG"):
             self._stack(card)
+        elif (place := BESIDE.get(card.name, 0)) and _is_beside(card.text(place)):
+            self.say(f"{'Z0' if place == 3 else 'ZOFFS'} of {card.name} (shells beside their nodes)")
         elif card.name.startswith(("=", "BEGIN")):
             what = "fields that repeat the line before" if card.name[0] == "=" else "superelements"
             raise InputError(
@@ -169,7 +173,7 @@ class Bulk:
         self._element(card, kind, [card.whole(k) for k in fields], 3)
         if card.text(turn) and ("." not in card.text(turn) or card.real(turn)):
             self.say("THETA or MCID (directions of the material)")
-        if card.real(offset):
+        if _is_beside(card.text(offset)):
             self.say("ZOFFS (shells beside their nodes)")
         if any(card.text(k) for k in thick):
             self.say("T1 to T4 (thickness at corners)")
@@ -185,7 +189,7 @@ class Bulk:
                 word = card.fields[start + first]
                 last = fortran_number(word) if word else last
                 total += last
-        total *= 2.0 if card.text(9).upper() in ("SYM", "SYMEM") and first == 1 else 1.0
+        total *= 2.0 if card.text(9).upper().startswith("SY") and first == 1 else 1.0  # SYM, SYMEM, SYBEND, SYSMEAR
         if abs(card.real(3) + total / 2.0) > 1e-6 * total:
             self.say(f"Z0 of {card.name} (plies beside their nodes)")
 
@@ -273,6 +277,11 @@ class Bulk:
         own, place = self.grids[number]
         system = self.default_system if own is None else own
         return np.asarray(self._placed(system, np.array([place]), depth)[0])
+
+
+def _is_beside(word: str) -> bool:
+    """Whether an offset is one: a number that is not zero, or OptiStruct's TOP and BOTTOM."""
+    return bool(word.upper().strip("+-0.ED"))
 
 
 def _axes(a: FloatArray, b: FloatArray, c: FloatArray, where: str) -> FloatArray:

@@ -36,6 +36,15 @@ SERIAL = ((2e4, 8e4), (7.1e5, 7.7e5))
 """Days of spreadsheets, from 1954 to 2119, and of MATLAB, from 1943 to 2108."""
 
 
+def doubt_of(seconds: Floats) -> str:
+    """Return what numbers (n,) that are read as seconds may count, "milliseconds" or "days"; "" where none does."""
+    known = seconds[np.isfinite(seconds)]
+    if known.size and np.abs(known).max() > MILLISECONDS:
+        return "milliseconds"
+    is_short = known.size and 0.0 < np.ptp(known) < 30.0
+    return "days" if is_short and any(a < known[0] < b for a, b in SERIAL) else ""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class CampaignColumns:
     """The cells of a campaign's file, by the names that the twin has for them.
@@ -186,16 +195,10 @@ class CampaignColumns:
         """Return times that are numbers; what may be days of a spreadsheet or milliseconds is said."""
         if self.units.get(TIME):
             return self.in_unit(TIME, "s", values)
-        known = values[np.isfinite(values)]
-        notes: tuple[str, ...] = ()
-        if known.size and np.abs(known).max() > MILLISECONDS:
-            notes = ("Column time is read as seconds; it may count milliseconds: write time [ms] then.",)
-        elif known.size and 0.0 < np.ptp(known) < 30.0 and any(a < known[0] < b for a, b in SERIAL):
-            told = (
-                "Column time is read as seconds; it may count days, as spreadsheets and MATLAB do: write time [d] then."
-            )
-            notes = (told,)
-        return values, notes
+        doubt = doubt_of(values)
+        unit = {"days": "d", "milliseconds": "ms"}.get(doubt)
+        told = f"Column time is read as seconds; it may count {doubt}: write time [{unit}] then."
+        return values, (told,) * bool(doubt)
 
     def _written(self, texts: Sequence[str], present: Sequence[str]) -> tuple[Floats, tuple[str, ...]]:
         told, why = self._rising(texts, present)
