@@ -106,6 +106,11 @@ MISSING_WORDS = frozenset(
         "?",
         ".",
         "missing",
+        "*",
+        "novalue",
+        "no data",
+        "k.a.",
+        "n.v.",
     }
     | {
         "nan(ind)",

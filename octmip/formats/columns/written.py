@@ -167,7 +167,7 @@ def _is_zero(part: re.Match[str]) -> bool:
 
 
 def _numbers(texts: Sequence[str], style: str, sign: str) -> Floats | None:
-    pattern = re.compile(DIGITS[style] % ("{1,2}" if sign not in ("", "%") else "+"))
+    pattern = re.compile(DIGITS[style] % ("{1,2}" if _is_money(sign) else "+"))
     out = []
     for text in texts:
         part = NUMBER_PART.fullmatch(_signed(text))

@@ -212,7 +212,8 @@ def _between(
     """Return the rows between header and first row that hold none, and the place of the first that may be one.
 
     These are units and what stands above them, a word alone, what a Campbell logger made of each column, and whatever
-    words stand above an empty line, as HBM's catman writes them.
+    words stand above an empty line, as HBM's catman writes them, or under units where all columns are of numbers, as
+    Origin's comments.
     """
     begin = next((k for k, row in enumerate(rows) if row.number > number), len(rows))
     units = max((k for k in range(begin, first) if is_units(rows[k].cells)), default=begin)
@@ -225,7 +226,8 @@ def _between(
         cells = rows[k].cells
         is_word = len(cells) == 1 and n_names > 1 and not is_value(cells[0])
         holds_values = any(cells[j] and is_value(cells[j]) for j in numeric if j < len(cells))
-        if not (is_units(cells) or is_word or (is_apart and not holds_values)):
+        is_of_words = k > units and not any(cell for j, cell in enumerate(cells) if j not in numeric)
+        if not (is_units(cells) or is_word or ((is_apart or is_of_words) and not holds_values)):
             return list(rows[begin:k]), k
     return list(rows[begin:first]), first
 

@@ -41,7 +41,7 @@ def _channels(structure: Mapping[str, Any], before: str) -> Iterator[tuple[str, 
     lower = {key.lower() if len(key) > 1 else key: key for key in structure}  # T is a temperature
     named = next((lower[name] for name in TIMES if name in lower and lower[name] in arrays), None)
     rates = (structure[lower[name]] for name in RATES if name in lower)
-    rate = next((float(own) for own in rates if isinstance(own, int | float | np.integer)), 0.0)
+    rate = next((float(own) for own in rates if isinstance(own, int | float | np.integer | np.floating)), 0.0)
     for key, array in arrays.items():
         if key == named or array.dtype.kind not in "biuf" or not array.size:
             continue
