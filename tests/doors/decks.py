@@ -347,6 +347,11 @@ ROWS = [
     Row(DOOR, "Abaqus/CAE, kept", "two instances of a part", written("a.inp", INSTANCES), read,
         answer((8, 2, 0, 0), 2.0,
                {"right": 1, "Set-1": 2, "Plate-1.Set-1": 1, "Plate-2.Set-1": 1, "nodes root": 3})),
+    Row(DOOR, "Abaqus/CAE, kept", "a point of the assembly, beside instances' nodes and sets",
+        written("a.inp", INSTANCES.replace("*End Assembly", "*Node\n1, 0., 0., 2.\n*Element, type=B31, elset=mast\n"
+                "1, 1, Plate-1.1\n*Elset, elset=left, instance=Plate-1\n set-1,\n*End Assembly")), read,
+        answer((9, 2, 0, 1), 2.0, {"right": 1, "Set-1": 2, "Plate-1.Set-1": 1, "Plate-2.Set-1": 1, "nodes root": 3,
+                                   "mast": 1, "left": 1})),
     Row(DOOR, "Abaqus/CAE, mangled", "an instance turned about a point",
         written("a.inp", INSTANCES.replace("0., 1., 90.", "0., 1e-200, 90.")), read,
         Refused(("turned about a line through one point, [2.0, 0.0, 0.0]",))),
