@@ -304,7 +304,7 @@ ROWS = [
 ]
 UNITS = {
     "units behind the names": (WITH_UNITS, 1.0),
-    "units over a stroke": ("test,force/N,g1/microstrain,g2/(um/m),state", 1.0),
+    "units over a stroke": ("test,force/N,g1/Microstrain,g2/(um/m),state", 1.0),
     "units behind dashes": ("test,force - N,g1 \u2013 microstrain,g2 - um/m,state", 1.0),
     "units behind colons and low lines": ("test,force_N,g1: microstrain,g2_um/m,state", 1.0),
     "millistrain behind a comma": ('test,force,"g1, millistrain","g2, mm/m",state', 1e-3),

@@ -194,7 +194,7 @@ def _below_units(rows: Sequence[Line], number: int, first: int, numeric: Sequenc
         named = [cells[j] for j in numeric if j < len(cells) and cells[j]]
         rest = "".join(unit_in(cell) for j, cell in enumerate(cells) if j not in numeric)
         are_codes = bool(rest) or max(map(len, named), default=0) < 2  # A, N may be a class and an answer
-        is_of_types = len(cells) > 1 and not any(map(unit_in, cells))
+        is_of_types = bool(numeric) and len(cells) > 1 and not any(map(unit_in, cells))
         is_of_units = named and not any(map(is_value, named)) and is_units(cells)
         if is_of_types or (is_of_units and (k == begin or not are_codes)):
             return max(first, k + 1)

@@ -79,9 +79,10 @@ _APART = re.compile(r"(?P<name>.*[^\s_,:\u2013—-])(?:\s*[,:\u2013—-]\s*|_(?=
 
 
 def plain_unit(text: str) -> str:
-    """Return a unit without brackets and with the letters of ASCII where these do: µm/m is um/m, mm² is mm2."""
+    """Return a unit without brackets, long words in small letters, in ASCII where that does: µm/m is um/m."""
     text = unicodedata.normalize("NFKC", text.strip()).strip("[](){}<> ")
-    return text.replace("μ", "u").replace("·", "*").strip()
+    text = text.replace("μ", "u").replace("·", "*").strip()
+    return text.lower() if len(text) > 4 and text.isalpha() else text  # Microstrain, Volts; but MN is no mN
 
 
 _UNITS = {plain_unit(unit): (quantity, size) for quantity, units in _QUANTITIES.items() for unit, size in units.items()}

@@ -25,22 +25,23 @@ from octmip.input.messages import several, shown
 
 Floats = NDArray[np.float64]
 TIME, TEMPERATURE, TEST = "time", "temperature", "test"
-OWN = {TEST: (TEST,), TIME: (TIME, "timestamp", "datetime"), TEMPERATURE: (TEMPERATURE,)}
+OWN = {TEST: (TEST,), TIME: (TIME, "timestamp", "datetime", "zeit", "uhrzeit"), TEMPERATURE: (TEMPERATURE,)}
 """What a campaign has beside what the twin names, and how files call it, in any case."""
 DAY_NAMES = ("date", "day", "datum")
 """Names of a column with the day of a time of day."""
 SECONDS = 86_400
-MILLISECONDS = 1e11
-"""Seconds since 1970 end below it (the year 5138), and milliseconds begin (March 1973)."""
+FINER = {"nanoseconds": (1e17, "ns"), "microseconds": (1e14, "us"), "milliseconds": (1e11, "ms")}
+"""What times since 1970 may count that are greater than a number; below 1e11 are seconds up to the year 5138."""
 SERIAL = ((2e4, 8e4), (7.1e5, 7.7e5))
 """Days of spreadsheets, from 1954 to 2119, and of MATLAB, from 1943 to 2108."""
 
 
 def doubt_of(seconds: Floats) -> str:
-    """Return what numbers (n,) that are read as seconds may count, "milliseconds" or "days"; "" where none does."""
+    """Return what numbers (n,) that are read as seconds may count, "days" or one of `FINER`; "" where none does."""
     known = seconds[np.isfinite(seconds)]
-    if known.size and np.abs(known).max() > MILLISECONDS:
-        return "milliseconds"
+    most = np.abs(known).max(initial=0.0)
+    if finer := next((unit for unit, (least, _) in FINER.items() if most > least), ""):
+        return finer
     is_short = known.size and 0.0 < np.ptp(known) < 30.0
     return "days" if is_short and any(a < known[0] < b for a, b in SERIAL) else ""
 
@@ -196,7 +197,7 @@ class CampaignColumns:
         if self.units.get(TIME):
             return self.in_unit(TIME, "s", values)
         doubt = doubt_of(values)
-        unit = {"days": "d", "milliseconds": "ms"}.get(doubt)
+        unit = FINER[doubt][1] if doubt in FINER else "d"
         told = f"Column time is read as seconds; it may count {doubt}: write time [{unit}] then."
         return values, (told,) * bool(doubt)
 

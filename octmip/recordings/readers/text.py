@@ -11,7 +11,7 @@ from octmip.gap.campaign.columns import OWN, TIME, CampaignColumns
 from octmip.input.messages import several
 from octmip.recordings.recording import Channel, Recording
 
-TIMES = (*OWN[TIME], "x_value", "t", "zeit")
+TIMES = (*OWN[TIME], "x_value", "t")
 """How files call the column of times, in any case."""
 
 
