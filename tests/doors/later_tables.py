@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 
 from tests.doors.row import Refused, Row, command
+from tests.doors.texts import kept
 
 TEXTS: dict[str, tuple[tuple[str, ...], tuple[tuple[object, ...], ...]]] = {
     "Booleans beside a word": (("True", "False", "unknown"), (("True", "False"), ("true", "false"), (True, False))),
@@ -61,11 +62,6 @@ def named_text(folder: Path) -> Path:
     return of("ab")(folder).rename(folder / "data.csv")
 
 
-def numbered(folder: Path) -> Path:
-    (folder / "data.csv").write_text("0.5,2,state\n" + "".join(f"{k},{k},{'ab'[k > 5]}\n" for k in range(12)))
-    return folder / "data.csv"
-
-
 def notes(path: Path) -> list[str]:
     found = json.loads(command("solve", path, "--label", "state", "--depth", 1, "--method", "cart", "--json"))["notes"]
     return [note.replace(str(path), "it") for note in found]
@@ -80,6 +76,7 @@ def in_units(trained: str, later: str, folder: Path) -> Paths:
 
 
 LEFT_OUT = ["'sample' of it names the rows, as pandas says in it, and is left out"]
+NUMBERS = kept("0.5,2,state\n" + "".join(f"{k},{k},{'ab'[k > 5]}\n" for k in range(12)))
 ROW = "names in line 1 are numbers; if it is a row, put a line with names above it"
 ROWS = [
     Row(
@@ -95,7 +92,7 @@ ROWS += [
     Row(
         "octmip solve", "Hive", "classes of bytes", of([b"a", b"b"]), notes, Refused(("b'a'", "of type bytes", "text"))
     ),
-    Row("octmip solve", "pandas", "names that are numbers", numbered, notes, [ROW]),
+    Row("octmip solve", "pandas", "names that are numbers", NUMBERS, notes, [ROW]),
     Row("octmip solve", "pandas", "classes of lists", of([[1], [2]]), notes, Refused(("[1]", "row 1", "a text"))),
     Row("octmip solve", "pandas", "Parquet named .csv", named_text, notes, Refused(("is a Parquet file", "rename it"))),
 ]

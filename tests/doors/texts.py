@@ -216,7 +216,6 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
     ("pandas", "semicolons and decimal commas"): _pandas(sep=";", decimal=",", index=False),
     ("pandas", "tabs and decimal commas"): _pandas(sep="\t", decimal=",", index=False),
     ("pandas", "UTF-16"): _pandas(encoding="utf-16", index=False),
-    ("pandas", "UTF-8 with a byte-order mark"): _pandas(encoding="utf-8-sig", index=False),
     ("pandas", "every cell quoted"): _pandas(quoting=1, index=False),
     ("pandas", "Parquet"): _parquet,
     ("polars", "write_csv"): _polars,
@@ -237,8 +236,6 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
     ("LabVIEW 2020 LVM, kept", "two headers, a column Comment"): kept(_labview()),
     ("LabVIEW 2020 LVM, kept", "decimal commas"): kept(_labview(",")),
     ("HBM catman 5, kept", "lines about each channel"): kept(_catman(), "latin-1"),
-    ("a logger, kept", "a row of units"): kept(lines(units=",N,microstrain,µm/m,")),
-    ("a logger, kept", "units in brackets"): kept(lines(units="[-],[N],[microstrain],[um/m],[-]")),
     ("a logger, kept", "comments of four kinds"): kept(lines("# rate 100 Hz", "% x", "// y", "; z", after="# end\n")),
     ("a logger, kept", "a comment between rows"): kept(text().replace("t1,", "# pause\nt1,", 1)),
     ("a logger, kept", "title lines and empty lines"): kept(lines("Logger 7", "", "Serial 1234, Beam", "")),
@@ -249,7 +246,6 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
     ("a logger, kept", "blocks of a fixed size, filled with Ctrl-Z and zeros"): kept(text() + "\x1a" + "\0" * 20),
     ("Markdown, kept", "a rule that says how columns are aligned"): kept(MARKDOWN),
     ("LibreOffice, kept", "the minus of typesetters"): kept(text(";", ",").replace(";-", ";\u2212")),
-    ("a logger, kept", "blanks behind commas"): kept(text().replace(",", ", ")),
     ("a logger, kept", "CRLF and empty lines"): kept(text().replace("\n", "\r\n\r\n")),
     ("Fortran, kept", "exponents with D"): kept(FORTRAN),
     ("a logger, kept", "UTF-16 without a byte-order mark"): kept(text(), "utf-16-le"),
@@ -281,9 +277,6 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
             "Data",
             units="NO.,N,microstrain,um/m,Time",
         )
-    ),
-    ("Keysight BenchLink 3, kept", "milliseconds behind a colon"): kept(
-        "Time," + "\n".join(f"01.03.2026 10:{k:02d}:00:125,{row}" if k else row for k, row in enumerate(LINES))
     ),
     ("SQLite 3, kept", "columns under short lines"): kept(
         text(" ", columns=("g1", "g2", *NAMES)).replace("\n", "\n-- -- ---- ----- -----\n", 1)
