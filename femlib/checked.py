@@ -63,6 +63,11 @@ def fortran_number(word: str) -> float:
     return number
 
 
+def reason_of(error: Exception) -> str:
+    """Return why a word is no number of its kind, without Python's own words."""
+    return re.sub(r"invalid literal for int\(\) with base 10: (.*)", r"\1 is no whole number", str(error))
+
+
 def whole(value: object, where: str, low: int = 0, high: int = MOST_WHOLE) -> int:
     """Return a whole number from `low` to `high`; InputError if it is none."""
     if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from femlib.checked import fortran_number
+from femlib.checked import fortran_number, reason_of
 from femlib.errors import InputError
 from femlib.structure.abaqus_cards import MIDDLE, WIDTHS, Card, cards_of, kind_of
 from femlib.structure.abaqus_part import (
@@ -26,6 +26,8 @@ from femlib.structure.abaqus_part import (
 )
 from femlib.structure.file_mesh import FileMesh, wrong_kind
 
+BEHIND_ASSEMBLY = 10**9
+"""What is added to the numbers of instances at least: those of the assembly's own nodes and elements are below it."""
 MAKERS = ("NCOPY", "NFILL", "NMAP", "ELCOPY", "SYSTEM", "SUBSTRUCTURE GENERATE")
 """Cards that make or move nodes and elements, and are not read."""
 LEFT_OUT = {
@@ -35,6 +37,9 @@ LEFT_OUT = {
     "CONTACT PAIR": "contact", "CYCLIC SYMMETRY MODEL": "constraints", "EMBEDDED ELEMENT": "constraints",
     "SHELL TO SOLID COUPLING": "constraints",
     "NONSTRUCTURAL MASS": "masses", "FOUNDATION": "springs", "PRE-TENSION SECTION": "loads",
+    "RELEASE": "released ends", "BEAM SECTION OFFSET": "beams beside their nodes", "FASTENER": "joints",
+    "IMPERFECTION": "nodes beside their places", "MODEL CHANGE": "elements that come and go", "CONTACT": "contact",
+    "INITIAL CONDITIONS": "loads", "ADJUST": "nodes beside their places",
 }  # fmt: skip
 """Cards that change the structure and are no part of a mesh."""
 
@@ -63,7 +68,7 @@ def _told(path: Path, card: Card) -> Iterator[None]:
     except (ValueError, IndexError, KeyError, OverflowError) as error:
         if isinstance(error, InputError):
             raise
-        reason = f"{error} is not in the deck before it" if isinstance(error, KeyError) else str(error)
+        reason = f"{error} is not in the deck before it" if isinstance(error, KeyError) else reason_of(error)
         raise InputError(
             f"{path} could not be read as abaqus (card *{card.keyword}: {reason[:120]}); expected a whole deck; write "
             "it again"
@@ -113,6 +118,11 @@ class Deck:
         elif card.keyword in ("NSET", "ELSET"):
             self.waiting.append(card)
         elif card.keyword in TAKEN:
+            if unknown := next((word for row in card.rows for word in row if word.startswith("<")), ""):
+                raise InputError(
+                    f"{self.path} has {unknown} on a card *{card.keyword}, a parameter, which is not read; expected "
+                    "numbers; write the deck with them in its place"
+                )
             TAKEN[card.keyword](self, card)
         elif card.keyword in LEFT_OUT:
             self._say(f"*{card.keyword} ({LEFT_OUT[card.keyword]})", max(len(card.rows), 1))
@@ -161,7 +171,7 @@ class Deck:
         name, of = options["NAME"], options.get("PART", "").upper()
         part = joined(self.parts[of] if of else Part(), self.own)
         move = motion(self.instance.rows)
-        by = max([0, *self.part.nodes, *self.part.elements])
+        by = max([BEHIND_ASSEMBLY, *self.part.nodes, *self.part.elements])
         self.part.nodes |= {by + k: tuple(move(place)) for k, place in part.nodes.items()}
         for number, (kind, nodes) in part.elements.items():
             self.part.elements[by + number] = (kind, tuple(by + n for n in nodes))
@@ -216,7 +226,7 @@ class Deck:
         if own.upper().startswith("M3D"):
             self._say(f"bending of {own.upper()} (membranes are read as shells)", len(card.rows))
         numbers = []
-        for number, nodes in element_rows(card.rows, WIDTHS[kind]):
+        for number, nodes in element_rows(self._numbered(card), WIDTHS[kind]):
             if number in self.own.elements:
                 raise ValueError(f"element {number} is there twice")
             own_order = MIDDLE.get(kind) if not self.is_by_meshio else None
@@ -227,11 +237,21 @@ class Deck:
     def _left_out(self, card: Card, what: str) -> None:
         """Count elements that are no part of a mesh; their nodes are a node set of their name."""
         self._say(f"{card.options['TYPE'].upper()} ({what})", len(card.rows))
-        nodes = [int(word) for row in card.rows for word in row[1:] if word]
+        rows = self._numbered(card)
+        nodes = [int(word) for row in rows for word in row[1:] if word]
         self._add("NSET", card.options.get("ELSET"), nodes)
-        for row in card.rows:
+        for row in rows:
             self.own.elements[int(row[0])] = ("", tuple(int(word) for word in row[1:] if word))
-        self._add("ELSET", card.options.get("ELSET"), [int(row[0]) for row in card.rows])
+        self._add("ELSET", card.options.get("ELSET"), [int(row[0]) for row in rows])
+
+    def _numbered(self, card: Card) -> list[list[str]]:
+        """Return rows with the nodes of instances, such as Plate-1.3, by their numbers in the whole."""
+        return [[self._number(word) for word in row] for row in card.rows]
+
+    def _number(self, word: str) -> str:
+        instance, dot, rest = word.rpartition(".")
+        by = self.first.get(instance.upper()) if dot and rest.isdigit() else None
+        return word if by is None else str(by + int(rest))
 
     def _elements_again(self, card: Card) -> None:
         """Add elements that repeat one along a row, in rows and in layers: *ELGEN."""
@@ -261,22 +281,22 @@ class Deck:
                 step = int(row[2]) if len(row) > 2 and row[2] else 1
                 members += [number for number in counted(words[0], words[1], step) if number in known]
         else:
+            before = f"{options['INSTANCE']}." if "INSTANCE" in options else ""
             for word in (word for row in card.rows for word in row if word):
-                members += self._named(word, kind, by, sets, known, name)
+                members += self._named(before + word, kind, sets, known, name)
         self._add(kind, name, members)
 
     def _named(
-        self, word: str, kind: str, by: int, sets: Mapping[str, list[int]], known: Mapping[int, object], name: str
+        self, word: str, kind: str, sets: Mapping[str, list[int]], known: Mapping[int, object], name: str
     ) -> list[int]:
-        """Return what a word of a set names: a number, one of an instance, or another set."""
-        instance, dot, rest = word.partition(".")
-        if dot and instance.upper() in self.first:
-            by, word = self.first[instance.upper()], rest
-            for own, _, members in self.of_parts.get((kind, rest), ()):
-                if own.upper() == instance.upper():
+        """Return what a word of a set names: a number, one of an instance, or another set, of an instance too."""
+        number = self._number(word)
+        if number.lstrip("-").isdigit() and int(number) in known:
+            return [int(number)]
+        for (its, of_part), owners in self.of_parts.items():
+            for own, _, members in owners:
+                if its == kind and f"{own}.{of_part}".upper() == word.upper():
                     return members
-        if word.lstrip("-").isdigit() and by + int(word) in known:
-            return [by + int(word)]
         if self._name(kind, word) in sets:
             return sets[self._name(kind, word)]
         raise InputError(

@@ -36,6 +36,8 @@ APART = {
 WIDTHS = {"quad": 4, "triangle": 3, "quad8": 8, "quad9": 9, "triangle6": 6, "line": 2, "line3": 3}
 WORDS = ("GENERATE", "INTERNAL", "UNSORTED", "COMPOSITE")
 """Options without a value that may stand first in a keyword's second line."""
+COMMA = r',(?=(?:[^"]*"[^"]*")*[^"]*$)'
+"""A comma that stands in no quoted name."""
 MIDDLE = {"line3": (0, 2, 1)}
 """Places of the ends and of the middle in a row of the deck, where the middle does not stand last."""
 
@@ -79,13 +81,14 @@ def cards_of(path: Path) -> list[Card]:
     cards: list[tuple[str, dict[str, str], list[tuple[str, ...]]]] = []
     is_open = False
     for line in lines_of(path, "abaqus", _included):
-        words = tuple(word.strip() for word in line.split(","))
+        parts = re.split(COMMA, line) if '"' in line else line.split(",")
+        words = tuple(part.replace('"', "").strip() for part in parts)
         is_open = is_open and not line.startswith("*") and ("=" in line or words[0].upper() in WORDS)
         if line.startswith("*"):
             cards.append((" ".join(words[0][1:].upper().split()), {}, []))
         if line.startswith("*") or is_open:
             pairs = (word.partition("=") for word in words[0 if is_open else 1 :] if word)
-            cards[-1][1].update({k.strip().upper(): v.strip().strip('"') for k, _, v in pairs})
+            cards[-1][1].update({k.strip().upper(): v.strip() for k, _, v in pairs})
             is_open = not words[-1]  # a comma at its end: the next line has more options
         elif cards:
             cards[-1][2].append(words)

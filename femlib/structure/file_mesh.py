@@ -71,5 +71,6 @@ def masks(sets: Mapping[str, Iterable[int]], n: int) -> dict[str, BoolArray]:
 def wrong_kind(name: str, n: int, kind: str) -> MeshError:
     """Return the refusal of elements that are no shells and no lines."""
     return MeshError(
-        f"{name} has {n} elements of kind {kind}; expected shells and lines, no volumes; mesh the middle surfaces"
+        f"{name} has {n} element{'s' * (n != 1)} of kind {kind}; expected shells and lines alone; mesh the middle "
+        "surfaces of volumes with shells, and put shells in the place of others"
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.checked import fortran_number
+from femlib.checked import fortran_number, reason_of
 from femlib.errors import InputError
 from femlib.structure.file_mesh import FileMesh, masks, wrong_kind
 from femlib.structure.nastran_cards import Card, cards_of
@@ -24,6 +24,8 @@ SHELLS = {
     "CQUAD8": ("quad8", (*range(4, 10), 12, 13), (18, 19), range(14, 18)),
     "CQUAD9": ("quad9", (*range(4, 10), 12, 13, 14), (18, 19), ()),  # gmsh's name
     "CTRIA6": ("triangle6", range(4, 10), (12, 13), range(14, 17)),
+    "CQUAD4K": ("quad", range(4, 8), (8, 9), ()),  # MYSTRAN's plates of Kirchhoff
+    "CTRIA3K": ("triangle", range(4, 7), (7, 8), ()),
 }
 """Kind and the fields of nodes, of the material's direction and the offset, and of the thickness at corners."""
 LINES = {
@@ -51,6 +53,12 @@ SILENT = re.compile(
 """Cards that leave the mesh as it is, and its material and sections to `Structure`."""
 REFUSED = re.compile(r"C(HEXA|TETRA|PENTA|PYRAM|IHEX|TRIAX|QUADX|SHEAR|QUAD$|CONEAX|PLST|PLSN|HAC|RAC|AX).*")
 """Elements that are no shells and no lines."""
+BESIDE = {"PSHELL": 16, "PCOMPP": 3}
+"""Properties of OptiStruct that may move shells off their nodes, and the field that says it."""
+DEFAULTS = ("BAROR", "BEAMOR")
+"""Cards that hold for others before them too."""
+SYSTEM = r"CORD[12][RCS]"
+"""Coordinate systems that nodes may stand in."""
 FARTHEST = 1e12
 """Coordinate in the file's unit, at most."""
 DEEPEST = 100
@@ -67,15 +75,15 @@ def read_bulk(path: Path) -> FileMesh:
     """
     cards, names, is_rounded = cards_of(path)
     bulk = Bulk(path)
-    for card in cards:
+    for card in sorted(cards, key=lambda own: own.name not in DEFAULTS):
         try:
             bulk.take(card)
         except (ValueError, IndexError, OverflowError) as error:
             if isinstance(error, InputError):
                 raise
             raise InputError(
-                f"{path} could not be read as nastran (card {card.name[:8]} {card.text(2)[:16]}: {str(error)[:100]}); "
-                "expected whole bulk data; write it again"
+                f"{path} could not be read as nastran (card {card.name[:8]} {card.text(2)[:16]}: "
+                f"{reason_of(error)[:100]}); expected whole bulk data; write it again"
             ) from error
     if is_rounded:
         bulk.say("last digits of nodes (gmsh rounds them; set its Mesh.BdfFieldFormat to 2)", len(bulk.grids))
@@ -93,6 +101,7 @@ class Bulk:
         self.node_sets: dict[str, list[int]] = {}
         self.left_out: dict[str, int] = {}
         self.default_system = 0
+        self.default_property: dict[str, int] = {}
 
     def say(self, what: str, n: int = 1) -> None:
         """Count something that is left out."""
@@ -107,12 +116,16 @@ class Bulk:
             self._held(card)
         elif card.name.startswith("CORD"):
             self._systems(card)
+        elif card.name in DEFAULTS:
+            self.default_property[f"C{card.name[:-2]}"] = card.whole(3)
         elif card.name in SHELLS:
             self._shell(card)
         elif card.name in LINES:
             self._line(card)
         elif card.name in ("PCOMP", "PCOMPG"):
             self._stack(card)
+        elif (place := BESIDE.get(card.name, 0)) and _is_beside(card.text(place)):
+            self.say(f"{'Z0' if place == 3 else 'ZOFFS'} of {card.name} (shells beside their nodes)")
         elif card.name.startswith(("=", "BEGIN")):
             what = "fields that repeat the line before" if card.name[0] == "=" else "superelements"
             raise InputError(
@@ -138,6 +151,9 @@ class Bulk:
             self.say("PS of GRID (supports)")
 
     def _systems(self, card: Card) -> None:
+        if not re.fullmatch(SYSTEM, card.name):  # of materials; a node in one is refused
+            self.systems[card.whole(2)] = card
+            return
         numbers = [card.real(k) for k in (3, 4, 5, 6, 7, 8, 9, 12, 13, 14)]
         if not all(abs(value) < FARTHEST for value in numbers):
             raise ValueError(f"{max(numbers, key=abs)} is no coordinate")
@@ -147,7 +163,8 @@ class Bulk:
 
     def _element(self, card: Card, kind: str, nodes: Sequence[int], place: int) -> None:
         number = card.whole(2)
-        own = (kind, tuple(nodes), card.whole(place, number) if place else 0)
+        default = self.default_property.get(card.name) or number
+        own = (kind, tuple(nodes), card.whole(place, default) if place else 0)
         if self.elements.setdefault(number, own) != own:
             raise ValueError("it is there twice, with other nodes or properties")
 
@@ -156,7 +173,7 @@ class Bulk:
         self._element(card, kind, [card.whole(k) for k in fields], 3)
         if card.text(turn) and ("." not in card.text(turn) or card.real(turn)):
             self.say("THETA or MCID (directions of the material)")
-        if card.real(offset):
+        if _is_beside(card.text(offset)):
             self.say("ZOFFS (shells beside their nodes)")
         if any(card.text(k) for k in thick):
             self.say("T1 to T4 (thickness at corners)")
@@ -168,11 +185,11 @@ class Bulk:
         first = 1 if card.name == "PCOMP" else 2  # material, thickness, ...; a number of the ply before them
         last, total = 0.0, 0.0
         for start in range(8, len(card.fields), 4 if first == 1 else 8):
-            if any(card.fields[start : start + first + 1]):
+            if any(card.fields[start : start + 4]):  # a ply with an angle alone is one too
                 word = card.fields[start + first]
                 last = fortran_number(word) if word else last
                 total += last
-        total *= 2.0 if card.text(9).upper() in ("SYM", "SYMEM") and first == 1 else 1.0
+        total *= 2.0 if card.text(9).upper().startswith("SY") and first == 1 else 1.0  # SYM, SYMEM, SYBEND, SYSMEAR
         if abs(card.real(3) + total / 2.0) > 1e-6 * total:
             self.say(f"Z0 of {card.name} (plies beside their nodes)")
 
@@ -186,6 +203,8 @@ class Bulk:
                 self.say(f"PA, PB of {card.name} (released ends)")
 
     def _other(self, card: Card) -> None:
+        if not card.name.isalnum():
+            raise ValueError("no name of a card, which ends at the first comma or stands in eight columns")
         every = (own for names, own in LEFT_OUT.items() if re.fullmatch(names, card.name))
         what, fields = next(every, ("not read", ()))
         self.say(f"{card.name[:8]} ({what})")
@@ -212,14 +231,14 @@ class Bulk:
 
     def _positions(self, number: int, nodes: Sequence[int], place: dict[int, int]) -> list[int]:
         """Return the positions of an element's nodes; a middle that a quadratic one lacks is its first corner."""
-        corners = [n for n in nodes if n]
-        missing = [n for n in corners if n not in place]
-        if missing or len(corners) < min(len(nodes), 4 if len(nodes) == 8 else 3):
+        n_corners = {6: 3, 8: 4, 9: 4}.get(len(nodes), len(nodes))
+        missing = [n for n in nodes if n and n not in place]
+        if missing or not all(nodes[:n_corners]):
             raise InputError(
                 f"{self.path}: element {number} has the nodes {list(nodes)}, of which {missing or 'a corner'} is not "
                 "in the file; expected a GRID of each; write the whole file"
             )
-        return [place[n or corners[0]] for n in nodes]
+        return [place[n or nodes[0]] for n in nodes]
 
     def _points(self) -> FloatArray:
         """Return the nodes (n, 3) in global axes."""
@@ -240,7 +259,7 @@ class Bulk:
                 f"{'is not in it' if depth else 'is defined by itself'}; expected a CORD card; write the whole file"
             )
         card = self.systems[system]
-        if not re.fullmatch(r"CORD[12][RCS]", card.name):
+        if not re.fullmatch(SYSTEM, card.name):
             raise InputError(
                 f"{self.path} has nodes in a system {card.name}; expected CORD1 or CORD2, R, C or S; write them so"
             )
@@ -258,6 +277,11 @@ class Bulk:
         own, place = self.grids[number]
         system = self.default_system if own is None else own
         return np.asarray(self._placed(system, np.array([place]), depth)[0])
+
+
+def _is_beside(word: str) -> bool:
+    """Whether an offset is one: a number that is not zero, or OptiStruct's TOP and BOTTOM."""
+    return bool(word.upper().strip("+-0.ED"))
 
 
 def _axes(a: FloatArray, b: FloatArray, c: FloatArray, where: str) -> FloatArray:

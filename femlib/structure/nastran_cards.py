@@ -17,6 +17,7 @@ SMALL, LARGE = 8, 16
 NAMED = (
     re.compile(r'\$HMNAME PROP\S*\s+(?P<id>\d+)\s*"(?P<name>[^"]+)"'),  # HyperMesh
     re.compile(r"\$ANSA_NAME_COMMENT;(?P<id>\d+);P(?:SHELL|COMPG?|BAR|BARL|BEAM|BEAML|ROD);(?P<name>[^;]+);"),
+    re.compile(r'\$ Pset: "(?P<name>[^"]+)" will be imported as: "\w+\.(?P<id>\d+)"'),  # Patran
     re.compile(r"\$ Femap Property (?P<id>\d+) : (?P<name>.*\S)"),
 )
 """Comments by which mesh programs name the properties."""

@@ -55,6 +55,7 @@ largest number of a node, which one wrong digit makes thousands of millions."""
 UNREAD = {
     b'compressor="vtkLZ4DataCompressor"': "it is compressed by LZ4, expected zlib, LZMA or none",
     b'type="String"': "it has texts as data, which are not read; take them out of its field data",
+    b"<Piece .*<Piece ": "it has several pieces, of which meshio reads one; merge them",
 }
 """What meshio does not read of a .vtu file, and the reason that it does not give."""
 OLD_GMSH = re.compile(rb"\s*(?:\$NOD\s|\$MeshFormat\s+(?!4\.1|2\.2)([0-9.]{1,4}) )")
@@ -99,15 +100,18 @@ def read(
     blocks = [_block(*block, name, corners_only) for block in file.blocks]
     found = _ordered(file, _points(file.points, name, UNITS[unit]), blocks)
     if not found.n_elements:
-        raise MeshError(f"{name} has no shell and no line; expected at least one; write the elements, not the geometry")
+        every = f", but {_listed(file.left_out)}" if file.left_out else ""
+        raise MeshError(
+            f"{name} has no shell and no line{every}; expected at least one; write the elements, not the geometry"
+        )
     if file.left_out:
-        warnings.warn(_left_out(name, file.left_out), LeftOutWarning, stacklevel=2)
+        told = f"{name}: left out of the mesh: {_listed(file.left_out)}; give to Structure what of it counts"
+        warnings.warn(told, LeftOutWarning, stacklevel=2)
     return _without_lone_nodes(found) if drop_lone_nodes or corners_only else _checked_nodes(found, name)
 
 
-def _left_out(name: str, left_out: Mapping[str, int]) -> str:
-    every = ", ".join(f"{n} {what}" for what, n in left_out.items())
-    return f"{name}: left out of the mesh: {every}; give to Structure what of it counts"
+def _listed(left_out: Mapping[str, int]) -> str:
+    return ", ".join(f"{n} {what}" for what, n in left_out.items())
 
 
 def _read_file(path: Path) -> FileMesh:
@@ -135,7 +139,7 @@ def _read_by_meshio(path: Path, kind: str, reader: Any) -> FileMesh:
     """Return what meshio's own reader of the format finds: `meshio.read` ends the program where a file is bad."""
     content = read_bytes(path, "a mesh file")
     for mark, reason in UNREAD.items():
-        if kind == "vtu" and mark in content.partition(b"<AppendedData")[0]:
+        if kind == "vtu" and re.search(mark, content.partition(b"<AppendedData")[0], re.DOTALL):
             raise _unreadable(path, kind, reason)
     said = io.StringIO()
     try:
@@ -256,13 +260,18 @@ def _values(
 
 def _ordered(file: FileMesh, points: FloatArray, blocks: Sequence[tuple[str, IntArray]]) -> NamedMesh:
     """Return the mesh with its elements in the order quadrilaterals, triangles, lines; points of gmsh become nodes."""
-    kind = np.repeat([own for own, _ in blocks], [len(corners) for _, corners in blocks])
-    order = np.concatenate([np.flatnonzero(kind == own) for own in WIDTHS] or [np.zeros(0, dtype=np.int64)])
-    corners = {
-        own: np.concatenate([np.zeros((0, width), dtype=np.int64), *(c for k, c in blocks if k == own)])
-        for own, width in WIDTHS.items()
-    }
-    vertices = np.concatenate([np.zeros(0, dtype=np.int64), *(c.ravel() for k, c in blocks if k == "vertex")])
+    sizes = [len(corners) for _, corners in blocks]
+    kind = np.repeat(np.array([own for own, _ in blocks], dtype="U8"), sizes)
+    rows = np.full((len(kind), 4), -1, dtype=np.int64)
+    for start, (_, own) in zip(np.cumsum([0, *sizes]), blocks, strict=False):
+        rows[start : start + len(own), : own.shape[1]] = own
+    # A quadrilateral two of whose neighbouring corners are one node is how some programs write a triangle.
+    same = rows == np.roll(rows, -1, axis=1)
+    folded = (kind == "quad") & (same.sum(axis=1) == 1)
+    rows[folded, :3] = rows[folded][~same[folded]].reshape(-1, 3)
+    kind[folded] = "triangle"
+    order = np.concatenate([np.flatnonzero(kind == own) for own in WIDTHS])
+    vertices = rows[kind == "vertex", 0]
     of_nodes = dict(file.node_sets)
     for name, mask in file.element_sets.items():
         at = vertices[mask[kind == "vertex"]]
@@ -271,9 +280,9 @@ def _ordered(file: FileMesh, points: FloatArray, blocks: Sequence[tuple[str, Int
     of_elements = {
         name: mask[order] for name, mask in file.element_sets.items() if name not in of_nodes or mask[order].any()
     }
-    shells = (corners["quad"], corners["triangle"], corners["line"])
+    quads, trias, lines = (rows[kind == own, :width] for own, width in WIDTHS.items())
     left_out = ReadOnly({name: str(n) for name, n in file.left_out.items()} | file.without_set)
-    return NamedMesh(points, *shells, of_elements, of_nodes, left_out)
+    return NamedMesh(points, quads, trias, lines, of_elements, of_nodes, left_out)
 
 
 def _lone(mesh: NamedMesh) -> IntArray:

@@ -32,7 +32,7 @@ WIDTH = 1.645
 """Standard deviations of a 90 % interval."""
 NEGLIGIBLE = 1e-3
 """Share of a cause's probability below which one of its hypotheses does not move the size."""
-STEPS = 6
+STEPS = 24
 """Most steps of a fit with an exact forward map, each of one map for every load."""
 TOLD = 0.01
 """Probability of a cause from which the model is asked for its sizes; less is not worth its answers."""

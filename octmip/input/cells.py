@@ -92,7 +92,6 @@ FORTRAN = re.compile(r"\s*([+-]?(?:\d+\.\d*|\.\d+))(?:[dDqQ]([+-]?\d{1,3})|([+-]
 """1.5D-03; an exponent of three digits may stand without its letter, as in 1.5-117."""
 MISSING_WORDS = frozenset(
     {
-        "",
         "na",
         "n/a",
         "n.a.",
@@ -106,10 +105,12 @@ MISSING_WORDS = frozenset(
         "nil",
         "?",
         ".",
-        "-",
-        "--",
-        "---",
         "missing",
+        "*",
+        "novalue",
+        "no data",
+        "k.a.",
+        "n.v.",
     }
     | {
         "nan(ind)",
@@ -125,12 +126,13 @@ MISSING_WORDS = frozenset(
         "#n/d",
         "\\n",
     }
+    | {"-" * k for k in range(9)}
     | {"#div/0!", "#value!", "#ref!", "#name?", "#null!", "#num!", "#spill!", "#calc!", "#wert!", "#bezug!", "#zahl!"}
     | {"#valeur!", "#nom?", "#nombre!", "#nul!", "#¡valor!", "#¿nombre?", "#¡div/0!", "#¡ref!", "#¡num!", "#¡nulo!"}
     | {"#valore!", "#nome?", "#rif!", "#valor!", "#nulo!"}
 )
-"""What stands among numbers for a missing one: words, NaN as C libraries print it, a database's NULL, and what Excel
-writes of an error in English, German, French, Spanish, Italian and Portuguese."""
+"""What stands among numbers for a missing one: words, dashes, NaN as C libraries print it, a database's NULL, and what
+Excel writes of an error in English, German, French, Spanish, Italian and Portuguese."""
 
 
 def is_missing_word(cell: str) -> bool:

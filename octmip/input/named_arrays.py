@@ -140,7 +140,10 @@ def numbers_in(given: Any, what: str) -> Floats:
     """
     _refuse_quantity(given, what)
     given = settled(given)
-    array = np.ma.array(given) if isinstance(given, list | tuple | np.ma.MaskedArray) else np.asarray(given)
+    try:
+        array = np.ma.array(given) if isinstance(given, list | tuple | np.ma.MaskedArray) else np.asarray(given)
+    except (TypeError, ValueError) as error:  # such as a list of numbers with units
+        raise DataError(f"{what}: values that are no numbers ({error}); expected numbers, NaN if missing") from error
     mask = np.ma.getmaskarray(array) if isinstance(array, np.ma.MaskedArray) else np.zeros(array.shape, dtype=bool)
     plain = np.ma.getdata(array)
     if plain.dtype.kind in "cmM":

@@ -145,6 +145,7 @@ ARRAYS: dict[str, tuple[str, Callable[[np.ndarray], Any], Any]] = {
     "columns in reverse": ("polars", _polars, True),
     "columns in reverse, Arrow": ("pyarrow", _arrow, True),
     "a column is lacking": ("numpy", _without("mid"), Refused(("'mid'", "expected the names of all readings"))),
+    "rows of two lengths": ("Python", lambda values: [[1.0, 2.0], [3.0]], Refused(("no numbers",))),
     "complex": ("numpy", lambda values: values.astype(complex), Refused(("complex128", "expected numbers"))),
     "decimal commas": ("numpy", lambda values: np.char.replace(values.astype(str), ".", ","), Refused(("no numbers",))),
 }

@@ -44,8 +44,12 @@ def written(name: str, text: str, **others: str) -> Callable[[Path], Path]:
     """Return what writes a text, and other files beside it."""
 
     def make(folder: Path) -> Path:
-        for own, content in {name: text, **{k.replace("_", "."): v for k, v in others.items()}}.items():
-            (folder / own).write_text(content, encoding="utf-8")
+        for own, content in {
+            name: text,
+            **{k.replace("__", "/").replace("_", "."): v for k, v in others.items()},
+        }.items():
+            (folder / own).parent.mkdir(exist_ok=True)
+            (folder / own).write_text(content, encoding="cp1252")
         return folder / name
 
     return make
@@ -97,29 +101,28 @@ CBAR           3       7       1       3      0.      0.      1.
 """Nodes at (1, 0, 0), (2, 0, 0), (0, 2, 0); the fourth one along y of the system of the three, z: (1, 0, 1)."""
 NASTRAN = {
     "plain": (f"BEGIN BULK\n{GRIDS}{QUAD}\nENDDATA\n", ""),
-    "bulk only": (f"{GRIDS}{QUAD}\nENDDATA\n", ""),
     "without ENDDATA": (f"SOL 101\nCEND\nBEGIN BULK\n{GRIDS}{QUAD}\n", ""),
     "D exponents": (f"{GRIDS.replace('1.,0.,0.', '1.D0,0.,0.')}{QUAD}\n", ""),
     "exponents without a letter": (f"{GRIDS.replace('1.,0.,0.', '.1+1,0.,0.')}{QUAD}\n", ""),
     "THETA": (f"{GRIDS}{QUAD},30.\n", "1 THETA or MCID (directions of the material)"),
     "THETA of zero": (f"{GRIDS}{QUAD},0.0\n", ""),
     "MCID": (f"{GRIDS}{QUAD},0\n", "1 THETA or MCID (directions of the material)"),
-    "ZOFFS": (f"{GRIDS}{QUAD},,.002\n", "1 ZOFFS (shells beside their nodes)"),
+    "TOP of OptiStruct": (f"{GRIDS}{QUAD},,TOP\n", "1 ZOFFS (shells beside their nodes)"),
+    "ZOFFS of OptiStruct's property": (f"{GRIDS}{QUAD}\nPSHELL,5,1,.1\n,,,,,-.05\n",
+                                       "1 ZOFFS of PSHELL (shells beside their nodes)"),
+    "a symmetric stack of OptiStruct": (f"{GRIDS}{QUAD}\nPCOMP,5,-.002,,,,,,SYSMEAR\n,2,.001,0.,,2,,90.\n", ""),
     "thickness at a corner": (f"{GRIDS}{QUAD},,,\n,,,.002\n", "1 T1 to T4 (thickness at corners)"),
     "comment behind fields, lower case": (f"{GRIDS.lower()}{QUAD.lower()} $ one\n", ""),
     "tabs": (f"{GRIDS.replace(',', chr(9))}{QUAD.replace(',', chr(9))}\n", ""),
-    "a continuation by name": (f"{GRIDS}CQUAD4,1,5,1,2,3,4,,,+A\n+A,,,\n", ""),
-    "a spring and an unknown card": (
-        f"{GRIDS}{QUAD}\nCELAS2,9,1.+3,1,3\nXYZ,1\n",
-        "1 CELAS2 (springs), 1 XYZ (not read)",
-    ),
-    "a stack in the middle": (f"{GRIDS}{QUAD}\nPCOMP,5,-.002,,,,,,SYM\n,2,.001,0.,,2,,90.\n", ""),
-    "a stack above its nodes": (
-        f"{GRIDS}{QUAD}\nPCOMP,5,0.0\n,2,.001,0.,,2,.001,90.\n",
-        "1 Z0 of PCOMP (plies beside their nodes)",
-    ),
+    "a spring and what is unknown": (f"{GRIDS}{QUAD}\nCELAS2,9,1.,1,3\nXYZ,1\n",
+                                     "1 CELAS2 (springs), 1 XYZ (not read)"),
+    "a stack above its nodes": (f"{GRIDS}{QUAD}\nPCOMP,5,0.0\n,2,.001,0.,,2,.001,90.\n",
+                                "1 Z0 of PCOMP (plies beside their nodes)"),
+    "a ply that has an angle alone": (f"{GRIDS}{QUAD}\nPCOMP,5,-.002\n,2,.001,0.,,,,90.\n,,,45.,,,,0.\n", ""),
+    "a system of materials": (f"CORD3G,5,E313,E,1,2,3,0\n{GRIDS}{QUAD}\n", ""),
+    "plates of MYSTRAN": (f"{GRIDS}{QUAD.replace('4,', '4K,', 1)}\n", ""),
     "a node held by its GRID": (f"{GRIDS}GRID,5,,0.,2.,0.,,123\n{QUAD}\n", "1 PS of GRID (supports)"),
-}
+}  # fmt: skip
 NODES = "*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n4,0,1,0\n5,1,1,0\n6,2,1,0\n"
 SHELLS = "*ELEMENT,TYPE=S4,ELSET=SKIN\n1,1,2,5,4\n2,2,3,6,5\n"
 EIGHT = "*NODE\n1,0,0\n2,2,0\n3,2,2\n4,0,2\n5,1,0\n6,2,1\n7,1,2\n8,0,1\n9,1,1\n"
@@ -164,6 +167,7 @@ ABAQUS: dict[str, tuple[str, dict[str, int], str]] = {
     "GENERATE without a step": ("*ELSET,ELSET=B,GENERATE\n1,2\n", {"B": 2}, ""),
     "a set of a set, in capitals or not": ("*ELSET,ELSET=All\nskin\n", {"All": 2}, ""),
     "one set in two cases": ("*NSET,NSET=A\n1\n*NSET,NSET=a\n2\n", {"nodes A": 2}, ""),
+    "names in quotes, and of Windows": ('*ELSET,ELSET="top, H\u00fclle"\n1\n', {"top, H\u00fclle": 1}, ""),
     "the nodes of a set of elements": ("*NSET,NSET=N,ELSET=skin\n", {"nodes N": 6}, ""),
     "a keyword line that goes on": ("*ELSET, ELSET=B,\nGENERATE\n1,2\n", {"B": 2}, ""),
     "nodes between nodes, elements again": (
@@ -171,8 +175,9 @@ ABAQUS: dict[str, tuple[str, dict[str, int], str]] = {
         "*ELGEN,ELSET=UP\n7,2,1,1\n", {"UP": 2}, ""),
     "an offset": ("*SHELL SECTION,ELSET=SKIN,MATERIAL=M,OFFSET=SPOS\n.002\n", {},
                   "1 OFFSET of *SHELL SECTION (elements beside their nodes)"),
-    "constraints, loads, supports": ("*RIGID BODY,NSET=X\n*CLOAD\n1,1,1.\n*BOUNDARY\n2,1,6\n", {},
-                                     "1 *RIGID BODY (constraints), 1 *CLOAD (loads), 1 *BOUNDARY (supports)"),
+    "constraints, loads, supports": ("*RIGID BODY,NSET=X\n*CLOAD\n1,1,1.\n*BOUNDARY\n2,1,6\n*RELEASE\n1,S1\n", {},
+                                     "1 *RIGID BODY (constraints), 1 *CLOAD (loads), 1 *BOUNDARY (supports), "
+                                     "1 *RELEASE (released ends)"),
     "rigid shells": ("*ELEMENT,TYPE=R3D4,ELSET=R\n9,1,2,5,4\n", {"nodes R": 4}, "1 R3D4 (rigid elements)"),
     "a set before its elements, comments": ("** none\n*ELSET,ELSET=Q\nP\n*ELSET,ELSET=P\n2\n", {"Q": 1, "P": 1}, ""),
 }  # fmt: skip
@@ -284,7 +289,8 @@ ROWS = [
     Row(DOOR, "pyNastran 1.4.1, kept", "coordinate systems", written("a.dat", SYSTEMS), read,
         answer((4, 0, 2, 1), 2.118034, {"property:5": 2, "property:7": 1})),
     Row(DOOR, "Nastran's guide", "an included file, names in comments",
-        written("a.bdf", f"INCLUDE 'grids.bdf'\n$HMNAME PROP  5\"skin\" 4\n{QUAD}\n", grids_bdf=GRIDS), read,
+        written("a.bdf", f"INCLUDE 'sub\\b.bdf'\n$HMNAME PROP  5\"skin\" 4\n{QUAD}\n",
+                sub__b_bdf="INCLUDE 'grids.bdf'\n", grids_bdf=GRIDS), read,
         answer((4, 1, 0, 0), 1.0, ONE | {"skin": 1})),
     Row(DOOR, "Nastran's guide", "a solid", written("a.bdf", GRIDS + "CTETRA,1,5,1,2,3,4\n"), read,
         Refused(("kind CTETRA", "mesh the middle surfaces"))),
@@ -292,6 +298,21 @@ ROWS = [
         Refused(("fields that repeat", "write all its cards"))),
     Row(DOOR, "Nastran's guide", "superelements", written("a.bdf", f"BEGIN BULK\n{GRIDS}{QUAD}\nBEGIN SUPER=1\n"), read,
         Refused(("superelements", "one plain model"))),
+    Row(DOOR, "Nastran's guide", "an included file that is not there",
+        written("a.bdf", f"INCLUDE 'b.bdf'\n{GRIDS}{QUAD}\n"), read,
+        Refused(("a.bdf includes b.bdf, which is not beside it", "bring the file"))),
+    Row(DOOR, "Patran, kept", "a name of a property",
+        written("a.bdf", f'$ Pset: "skin" will be imported as: "pshell.5"\n{GRIDS}{QUAD}\n'), read,
+        answer((4, 1, 0, 0), 1.0, ONE | {"skin": 1})),
+    Row(DOOR, "Nastran's guide", "a number of an element with a point",
+        written("a.bdf", f"{GRIDS}{QUAD.replace('1', '1.', 1)}\n"), read, Refused(("'1.' is no whole number",))),
+    Row(DOOR, "Nastran's guide", "three corners of four", written("a.bdf", f"{GRIDS}{QUAD[:-2]}\n"), read,
+        Refused(("element 1 has the nodes [1, 2, 3, 0], of which a corner is not in the file",))),
+    Row(DOOR, "Nastran's guide", "a comma behind the columns", written("a.bdf", f"{GRIDS}GRID    5,,0.,1.\n"), read,
+        Refused(("no name of a card",))),
+    Row(DOOR, "Nastran's guide", "a property for all bars, behind them",
+        written("a.bdf", f"{GRIDS}{QUAD}\nCBAR,5,,1,2\nBAROR,,7,,,0.,0.,1.\n"), read,
+        answer((4, 1, 0, 1), 1.0, ONE | {"property:7": 1})),
     Row(DOOR, "Nastran's guide", "a node that is not there", written("a.bdf", f"{GRIDS}{QUAD[:-1]}9\n"), read,
         Refused(("[9]", "write the whole file"))),
     *(
@@ -300,6 +321,11 @@ ROWS = [
                    {"SKIN": 2} | sets, told))
         for case, (text, sets, told) in ABAQUS.items()
     ),
+    Row(DOOR, "Abaqus's guide", "a corner twice: a triangle",
+        written("a.inp", NODES + SHELLS.replace("2,2,3,6,5", "2,2,3,6,6")), read,
+        answer((6, 1, 1, 0), 1.5, {"SKIN": 2})),
+    Row(DOOR, "Abaqus's guide", "a parameter", written("a.inp", NODES.replace("2,0,0", "<L>,0,0") + SHELLS), read,
+        Refused(("has <L> on a card *NODE", "write the deck with them"))),
     Row(DOOR, "Abaqus's guide", "two *NODE cards", written("a.inp", NODES.replace("6,", "*NODE\n6,") + SHELLS), read,
         answer((6, 2, 0, 0), 2.0, {"SKIN": 2})),
     Row(DOOR, "Abaqus's guide", "nodes and all in other files",
@@ -308,6 +334,11 @@ ROWS = [
     Row(DOOR, "Abaqus/CAE, kept", "two instances of a part", written("a.inp", INSTANCES), read,
         answer((8, 2, 0, 0), 2.0,
                {"right": 1, "Set-1": 2, "Plate-1.Set-1": 1, "Plate-2.Set-1": 1, "nodes root": 3})),
+    Row(DOOR, "Abaqus/CAE, kept", "a point of the assembly, beside instances' nodes and sets",
+        written("a.inp", INSTANCES.replace("*End Assembly", "*Node\n1, 0., 0., 2.\n*Element, type=B31, elset=mast\n"
+                "1, 1, Plate-1.1\n*Elset, elset=left, instance=Plate-1\n set-1,\n*End Assembly")), read,
+        answer((9, 2, 0, 1), 2.0, {"right": 1, "Set-1": 2, "Plate-1.Set-1": 1, "Plate-2.Set-1": 1, "nodes root": 3,
+                                   "mast": 1, "left": 1})),
     Row(DOOR, "Abaqus/CAE, mangled", "an instance turned about a point",
         written("a.inp", INSTANCES.replace("0., 1., 90.", "0., 1e-200, 90.")), read,
         Refused(("turned about a line through one point, [2.0, 0.0, 0.0]",))),
@@ -356,5 +387,7 @@ ROWS = [
     Row(DOOR, "VTK 9", "real cells", vtk_file("a.vtk", "f8", True),
         lambda path: femlib.read(path).elements_of("region:1"), Refused(("'region' has float64, no whole numbers",))),
     Row(DOOR, "VTK 9", "raw appended", vtk_file("a.vtu", "i8", False), read, VTK_ANSWER),
+    Row(DOOR, "VTK 9, kept", "two pieces", written("a.vtu", "<Piece N=1></Piece>\n<Piece N=1></Piece>"), read,
+        Refused(("several pieces", "merge them"))),
     Row(DOOR, "VTK 9", "LZ4", vtk_file("a.vtu", "i4", True), read, Refused(("compressed by LZ4", "expected zlib"))),
 ]  # fmt: skip

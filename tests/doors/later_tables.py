@@ -13,12 +13,14 @@ import pandas as pd
 import pytest
 
 from tests.doors.row import Refused, Row, command
+from tests.doors.texts import kept
 
 TEXTS: dict[str, tuple[tuple[str, ...], tuple[tuple[object, ...], ...]]] = {
     "Booleans beside a word": (("True", "False", "unknown"), (("True", "False"), ("true", "false"), (True, False))),
     "Booleans in capitals": (("TRUE", "FALSE", "n. a."), (("TRUE", "FALSE"), (True, False))),
     "numbers beside a word": (("1", "2", "x"), (("1", "2"), ("1.0", "2.0"), (1, 2))),
     "codes with zeros": (("01", "02", "x"), (("01", "02"), (1.0, 2.0))),
+    "accents behind letters": (("Ba\u0308r", "Wal", "Hai"), (("B\u00e4r", "Wal"),)),
     "blanks at the ends": (("steel ", "wood", "brass"), (("steel", "wood   "),)),
 }
 """What a column holds in training, and what may stand for its first two values later."""
@@ -74,6 +76,8 @@ def in_units(trained: str, later: str, folder: Path) -> Paths:
 
 
 LEFT_OUT = ["'sample' of it names the rows, as pandas says in it, and is left out"]
+NUMBERS = kept("0.5,2,state\n" + "".join(f"{k},{k},{'ab'[k > 5]}\n" for k in range(12)))
+ROW = "names in line 1 are numbers; if it is a row, put a line with names above it"
 ROWS = [
     Row(
         f"octmip predict, {column}", "pandas", f"{case}, then {later}", partial(pair, column, trained, later), errors, 0
@@ -88,6 +92,7 @@ ROWS += [
     Row(
         "octmip solve", "Hive", "classes of bytes", of([b"a", b"b"]), notes, Refused(("b'a'", "of type bytes", "text"))
     ),
+    Row("octmip solve", "pandas", "names that are numbers", NUMBERS, notes, [ROW]),
     Row("octmip solve", "pandas", "classes of lists", of([[1], [2]]), notes, Refused(("[1]", "row 1", "a text"))),
     Row("octmip solve", "pandas", "Parquet named .csv", named_text, notes, Refused(("is a Parquet file", "rename it"))),
 ]

@@ -84,7 +84,8 @@ ROWS += [
 ]
 KEPT: dict[str, tuple[str, str, object]] = {
     "GLPK 5.0": ("s mip 2 2 o 3\n{}\n", "j {j} {value:g}", Refused(("raw format",))),
-    "Gurobi 12": ("# Objective value = 3\n{}\n", "{name} {value:g}", (3.0, 0.0)),
+    "Gurobi 12": ("# Objective value = 3\n{}\n# Objective value = 5\n", "{name} {value:g}", (3.0, 0.0)),
+    "a solver that diverged": ("{}\n", "{name} nan", Refused(("the value nan", "expected finite numbers"))),
     "CPLEX 22": ("<variables>{}</variables>", '<variable name="{name}" index="{j}" value="{value:g}"/>', (3.0, 0.0)),
 }
 """The form of a file, that of its lines, and the answer."""

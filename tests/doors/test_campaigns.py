@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.doors.campaigns import DISPLAYS, FAULTS, answered, drawn
-from octmip.gap import CachedTwin, Campaign, Differences, Odds, Recorded, diagnose, gathered
+from octmip.gap import CachedTwin, Campaign, Differences, Odds, Recorded, diagnose, function_twin, gathered
 from octmip.gap.campaign.noise_estimate import estimate_noise
-from tests.doors.campaigns import FORCES, TWIN, shown
+from tests.doors.campaigns import FORCES, NAMES, TWIN, beam, shown
 from tests.test_octmip.beam_twin import remembering
 
 
@@ -48,6 +48,17 @@ def test_the_variance_of_few_repeats_leaves_room_for_what_they_cannot_tell() -> 
         for y in np.random.default_rng(8).standard_normal((120, n, 2))
     ]
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.2)
+
+
+@pytest.mark.parametrize("left", [0.5, 0.3, 0.12])
+def test_the_size_of_a_stiffness_that_lost_most_of_itself_is_right(left: float) -> None:
+    wide = function_twin(beam, dict.fromkeys(NAMES, "mm"), {"stiffness": (100.0, 10.0, 200.0, "N/mm")}, ["force"])
+    runs = [
+        gathered(wide, [Recorded(rows / share, {"force": force}) for force, rows in shown(1e-4, FORCES, 9).items()])
+        for share in (left, 1.0)
+    ]
+    found = diagnose(runs[0], CachedTwin(wide), commissioning=runs[1]).which[0].parameters
+    assert [(one.effect, one.size) for one in found] == [("stiffness", pytest.approx(100.0 * (left - 1.0), abs=2.0))]
 
 
 def test_a_diagnosis_goes_to_another_process_and_back() -> None:

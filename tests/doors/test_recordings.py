@@ -257,16 +257,17 @@ def test_messages_of_ros_2_in_mcap_and_in_a_database(at):
 
 def test_matrices_of_mat_7_3_have_a_column_for_each_channel(at):
     h5py = pytest.importorskip("h5py")
-    time = np.arange(50) / 10.0
+    time = 739_000.0 + np.arange(50) / 10.0
     with h5py.File("new.mat", "w", userblock_size=512) as file:
-        for name, values in {"t": time[None], "g": np.stack([time, 2 * time, 3 * time])}.items():
+        for name, values in {"t": time[None], "T": -time[None], "g": np.stack([time, 2 * time, 3 * time])}.items():
             file[name] = values  # MATLAB writes by columns, so HDF5 sees the transpose
             file[name].attrs["MATLAB_class"] = np.bytes_("double")
     head = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + struct.pack("<H2s", 0x0200, b"IM")
     content = Path("new.mat").read_bytes()
     Path("new.mat").write_bytes(head + content[len(head) :])
     opened = recording("new.mat")
-    assert opened.channels == ("g/1", "g/2", "g/3")
+    assert opened.channels == ("T", "g/1", "g/2", "g/3")  # a temperature, no time
+    assert "may count days" in opened.notes[0]
     assert opened["g/2"].values == pytest.approx(2 * time)
 
 

@@ -95,6 +95,9 @@ WAYS = {
     "Excel in French": "#NOM?",
     "Excel in Spanish": "#¡VALOR!",
     "R": "NA",
+    "Minitab": "*",
+    "Abaqus": "NoValue",
+    "HOBOware": "-----",
     "SQL Server": "NULL",
 }
 

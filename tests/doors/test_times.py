@@ -56,7 +56,7 @@ READ = {
     "14.3.2025 15:09": at(2025, 3, 14, 15, 9),
     "14.03.2025 15:09:26,25": at(2025, 3, 14, 15, 9, 26, 250_000),
     "14/03/2025": at(2025, 3, 14),
-    "14-03-2025 15:09:26": at(2025, 3, 14, 15, 9, 26),
+    "14-03-2025 15:09:26:250": at(2025, 3, 14, 15, 9, 26, 250_000),
     "03/14/2025 3:09:26 PM": at(2025, 3, 14, 15, 9, 26),
     "03/14/2025 12:05 AM": at(2025, 3, 14, 0, 5),
     "3/14/2025, 3:09:26\u202fPM": at(2025, 3, 14, 15, 9, 26),
@@ -112,15 +112,17 @@ RISING = {
     "3/9/2026 10:00,3/10/2026 10:00,4/1/2026 9:30": ([0.0, 86_400.0, 23 * 86_400.0 - 1800.0], "order of time"),
     "9/3/2026 10:00,10/3/2026 10:00,1/4/2026 9:30": ([0.0, 86_400.0, 23 * 86_400.0 - 1800.0], "order of time"),
     "3/1/2026 10:00:01,3/1/2026 10:00:02,3/1/2026 10:01:00": ([0.0, 1.0, 59.0], "which changes no time"),
+    "740042.4,740042.41,740042.42": ([740042.4, 740042.41, 740042.42], "may count days: write time [d]"),
+    "1772359200000000000,1772359201000000000": ([1.7723592e18, 1.772359201e18], "nanoseconds: write time [ns]"),
     "1/2/2026,2/2/2026,3/2/2026": (None, "either number may be the month"),
 }
-"""Three readings in the order of time: one way keeps it, both are the same, or nothing tells them apart."""
+"""Readings in the order of time: one way keeps it, both are the same, or nothing tells them apart; and counts."""
 
 
 @pytest.mark.parametrize("texts", RISING)
 def test_a_campaign_takes_the_reading_of_dates_that_keeps_its_order_and_says_so(texts: str, tmp_path: Path) -> None:
     rows = "".join(f"{text},a,{k},{800 * k},{500 * k}\n" for k, text in enumerate(texts.split(",")))
-    (tmp_path / "run.csv").write_text("time,test,force,g1,g2\n" + rows)
+    (tmp_path / "run.csv").write_text("Uhrzeit,test,force,g1,g2\n" + rows)
     right, said = RISING[texts]
     if right is None:
         with pytest.raises(DataError, match=said):

@@ -67,6 +67,10 @@ def text(separator: str = ",", decimal: str = ".", columns: tuple[str, ...] = ()
     return buffer.getvalue()
 
 
+NAMES = ("test", "force", "state")
+LINES = text().strip().split("\n")
+
+
 def lines(
     *before: str, separator: str = ",", names: str = "", units: str = "", after: str = "", decimal: str = "."
 ) -> str:
@@ -212,7 +216,6 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
     ("pandas", "semicolons and decimal commas"): _pandas(sep=";", decimal=",", index=False),
     ("pandas", "tabs and decimal commas"): _pandas(sep="\t", decimal=",", index=False),
     ("pandas", "UTF-16"): _pandas(encoding="utf-16", index=False),
-    ("pandas", "UTF-8 with a byte-order mark"): _pandas(encoding="utf-8-sig", index=False),
     ("pandas", "every cell quoted"): _pandas(quoting=1, index=False),
     ("pandas", "Parquet"): _parquet,
     ("polars", "write_csv"): _polars,
@@ -233,8 +236,6 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
     ("LabVIEW 2020 LVM, kept", "two headers, a column Comment"): kept(_labview()),
     ("LabVIEW 2020 LVM, kept", "decimal commas"): kept(_labview(",")),
     ("HBM catman 5, kept", "lines about each channel"): kept(_catman(), "latin-1"),
-    ("a logger, kept", "a row of units"): kept(lines(units=",N,microstrain,µm/m,")),
-    ("a logger, kept", "units in brackets"): kept(lines(units="[-],[N],[microstrain],[um/m],[-]")),
     ("a logger, kept", "comments of four kinds"): kept(lines("# rate 100 Hz", "% x", "// y", "; z", after="# end\n")),
     ("a logger, kept", "a comment between rows"): kept(text().replace("t1,", "# pause\nt1,", 1)),
     ("a logger, kept", "title lines and empty lines"): kept(lines("Logger 7", "", "Serial 1234, Beam", "")),
@@ -245,7 +246,6 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
     ("a logger, kept", "blocks of a fixed size, filled with Ctrl-Z and zeros"): kept(text() + "\x1a" + "\0" * 20),
     ("Markdown, kept", "a rule that says how columns are aligned"): kept(MARKDOWN),
     ("LibreOffice, kept", "the minus of typesetters"): kept(text(";", ",").replace(";-", ";\u2212")),
-    ("a logger, kept", "blanks behind commas"): kept(text().replace(",", ", ")),
     ("a logger, kept", "CRLF and empty lines"): kept(text().replace("\n", "\r\n\r\n")),
     ("Fortran, kept", "exponents with D"): kept(FORTRAN),
     ("a logger, kept", "UTF-16 without a byte-order mark"): kept(text(), "utf-16-le"),
@@ -278,6 +278,17 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
             units="NO.,N,microstrain,um/m,Time",
         )
     ),
+    ("SQLite 3, kept", "columns under short lines"): kept(
+        text(" ", columns=("g1", "g2", *NAMES)).replace("\n", "\n-- -- ---- ----- -----\n", 1)
+    ),
+    ("DuckDB's shell, kept", "a box with types"): kept(
+        "\n".join(["┌──┬──┐", LINES[0], "varchar│double│double│double│varchar", "├──┼──┤", *LINES[1:], "└──┴──┘"])
+        .replace(",", " │ ")
+        .replace("\nt", "\n│ t")
+    ),
+    ("Orange 3, kept", "rows of types and roles"): kept(
+        lines(units="discrete,continuous,continuous,continuous,discrete\n,,,,class")
+    ),
     ("LibreOffice, kept", "Swiss groups of digits"): kept(_numbers("{}", "'", ".", ";")),
 }
 ROWS = [
@@ -286,10 +297,11 @@ ROWS = [
 ]
 UNITS = {
     "units behind the names": (WITH_UNITS, 1.0),
-    "units over a stroke": ("test,force/N,g1/microstrain,g2/(um/m),state", 1.0),
+    "units over a stroke": ("test,force/N,g1/Microstrain,g2/(um/m),state", 1.0),
     "units behind dashes": ("test,force - N,g1 \u2013 microstrain,g2 - um/m,state", 1.0),
     "units behind colons and low lines": ("test,force_N,g1: microstrain,g2_um/m,state", 1.0),
     "millistrain behind a comma": ('test,force,"g1, millistrain","g2, mm/m",state', 1e-3),
+    "units above the names": (",N,millistrain,mm/m,\ntest,force,g1,g2,state", 1e-3),
     "strain for microstrain": ("test,force [N],g1 [m/m],g2 [m/m],state", 1e-6),
     "per cent for microstrain": ("test,force,g1 (%),g2 (%),state", 1e-4),
 }
@@ -323,12 +335,18 @@ REFUSED = {
     "an archive under the name of a text": ("PK\x03\x04" + "\x01" * 40, ("is an archive", "export the table as CSV")),
     "JSON under the name of a text": (json.dumps(frame().to_dict("records")), ("is JSON", "export the table as CSV")),
     "a page under the name of a text": (frame().to_html(), ("is a page", "export the table as CSV")),
+    "ARFF": ("% x\n@RELATION beam\n@ATTRIBUTE g1 REAL\n@DATA\n1\n", ("is ARFF", "export the table as CSV")),
+    "LIBSVM": ("+1 1:0.5 3:1\n-1 2:1\n", ("sparse rows of LIBSVM", "export the table as CSV")),
+    "a name with other marks": (_scaled("test,force,g(1),g2,state", 1.0), ("'g(1)'", "write 'g1'")),
     "a binary file": ("RIFF\x10\x00\x00WAVEfmt ", ("no text but a binary file", "export the table as CSV")),
     "another column than names": (
         text().replace("force,", "force,more,", 1),
         ("line 2", "5 cells but the header has 6"),
     ),
-    "no header": (text().split("\n", 1)[1], ("column 'test' is missing",)),
+    "no header": (
+        text().split("\n", 1)[1],
+        ("line 1: the header is a row like those below it, 't0'", "put one above it"),
+    ),
     "a statistic below the rows": (text() + "Average,1,800,500,\n", ("'Average'", "delete the row")),
     "a name nearly the twin's": (_scaled("test,force,G1,g2,state", 1.0), ("'G1'", "write 'g1'")),
     "thousands of ambiguous commas": (

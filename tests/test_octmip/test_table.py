@@ -169,6 +169,11 @@ def test_whatever_stands_below_the_last_row_no_row_is_lost(tmp_path, tail):
     assert len(table.notes) == bool(words)
 
 
+def test_words_under_units_are_no_row_where_all_columns_are_of_numbers(tmp_path):
+    rows = "".join(f"{k}\t{k}\n" for k in range(9))
+    assert len(read_table(csv_file(tmp_path, f"Time\tg1\nms\tum/m\n\tSensor A\n{rows}")).frame) == 9
+
+
 def test_words_in_cells_above_a_header_are_no_table(tmp_path):
     table = read_table(csv_file(tmp_path, "note,see,below\nnote,see,beside\nnote,or,ask\nx,y\n1,a\n2,b\n3,c\n"))
     assert (table.columns, len(table.frame)) == (("x", "y"), 3)

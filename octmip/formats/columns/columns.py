@@ -4,6 +4,7 @@
 encoded, and how, is said by `changes`; a column that cannot be used is refused, all of them in one error.
 """
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, Self
@@ -31,6 +32,7 @@ MOST_UNIQUE = 0.5
 """Share of rows with a text of their own, above which a text names the rows; in a part of a table every row has one."""
 FEW_VALUES = 20
 """As few different texts never name the rows."""
+HAS_DIGIT = re.compile("[0-9]").search
 COLUMNS = Record({"columns": ListOf(CONTENT, least=1)}, closed=True)
 
 
@@ -329,7 +331,8 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing,
                 f"holds {n_values - len(words)} different numbers, and texts such as {shown(words[0])}; "
                 "write a number or an empty cell for each of these, or leave it out"
             )
-        raise DataError(f"holds {n_values} different texts in {n_rows} rows, as names of rows do; leave it out")
+        read = "" if not all(map(HAS_DIGIT, cells.values)) else ", or write numbers plainly if it holds some"
+        raise DataError(f"holds {n_values} different texts in {n_rows} rows, as names of rows do; leave it out{read}")
     n_levels = n_values + (cells.n_missing > 0)
     if categories == "subsets" and n_levels > MOST_LEVELS:
         raise DataError(

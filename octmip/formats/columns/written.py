@@ -39,7 +39,8 @@ NUMBER_PART = re.compile(
 BELOW = re.compile(r"\((?P<a>[^()+-]*[0-9][^()+-]*)\)|(?P<b>[^()+-]*[0-9][^()+-]*?)\s*-")
 """A number below zero as accountants and SAP write it."""
 DIGITS = {  # no group begins with a zero: 0,945 has decimals
-    "1,000.5": r"(?:[1-9][0-9]{0,2}(?:[,' \u00a0\u202f][0-9]{3})+|[0-9]+)(?:\.[0-9]%s)?",
+    "1,000.5": r"(?:[1-9][0-9]{0,2}(?:[,' \u00a0\u202f][0-9]{3})+|[1-9][0-9]?(?:,[0-9]{2})+,[0-9]{3}|[0-9]+)"
+    r"(?:\.[0-9]%s)?",
     "1.000,5": r"(?:[1-9][0-9]{0,2}(?:[.' \u00a0\u202f][0-9]{3})+|[0-9]+)(?:,[0-9]%s)?",
 }
 
@@ -166,7 +167,7 @@ def _is_zero(part: re.Match[str]) -> bool:
 
 
 def _numbers(texts: Sequence[str], style: str, sign: str) -> Floats | None:
-    pattern = re.compile(DIGITS[style] % ("{1,2}" if sign not in ("", "%") else "+"))
+    pattern = re.compile(DIGITS[style] % ("{1,2}" if _is_money(sign) else "+"))
     out = []
     for text in texts:
         part = NUMBER_PART.fullmatch(_signed(text))

@@ -35,6 +35,7 @@ def read_costs(path: PathLike, class_names: Sequence[Any]) -> NDArray[np.float64
     for what, got in (("rows", rows), ("columns", list(table.columns[1:]))):
         if sorted(got) != sorted(wanted):
             raise DataError(
-                f"{path} has the {what} {several(got)}; expected each of the classes {several(wanted)} once"
+                f"{path} has the {what} {several(got)}; expected each of the classes {several(wanted)} once; name them "
+                "so"
             )
     return table.numbers(wanted, "cost")[[rows.index(name) for name in wanted]]

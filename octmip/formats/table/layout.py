@@ -13,12 +13,14 @@ import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from octmip.errors import DataError
 from octmip.formats.table.joined import in_one_order
 from octmip.formats.table.left_out import rows_of
 from octmip.formats.table.lines import SEPARATORS, TAIL, is_value, plain_rows, width_of
-from octmip.formats.table.top import top_of
+from octmip.formats.table.top import Top, top_of
+from octmip.input.cells import plain_number
 
 HEAD = 500
 """Lines in which the header is looked for."""
@@ -78,8 +80,16 @@ def layout_of(name: str, text: str, form: str) -> Layout:
     notes = (f"numbers are read with decimal commas, as the cells stand between {SEPARATORS[separator]}",)
     text, joined = in_one_order(name, text, top, separator)
     rows, left_out = rows_of(name, text, top, separator)
-    told = (*left_out, *joined, *notes * (decimal == ","))
+    told = (*left_out, *joined, *_numbers_as_names(top), *notes * (decimal == ","))
     return Layout(separator, decimal, top.header, top.units, top.line, top.n_cells, rows, told)
+
+
+def _numbers_as_names(top: Top) -> tuple[str, ...]:
+    """Return a sentence on names that are numbers, unless they count: the header may be a row."""
+    numbers = [number for name in top.header if (number := plain_number(name)) is not None]
+    if not numbers or all(b - a == 1.0 for a, b in pairwise(numbers)):
+        return ()
+    return (f"names in line {top.line} are numbers; if it is a row, put a line with names above it",)
 
 
 def _head(text: str) -> list[tuple[int, str]]:

@@ -56,11 +56,9 @@ def _lines(what: str, numbers: Sequence[int]) -> str:
 
 
 def _between(top: Top) -> Iterator[str]:
-    if top.units:
-        named = ", ".join(f"{name} {unit}" for name, unit in zip(top.header, top.units, strict=False) if unit)
-        yield f"{_lines('under the header', top.between)} with the units ({shown(named)[1:-1]})"
-    else:
-        yield _lines("under the header", top.between)
+    where = _lines("under the header", top.between)
+    named = ", ".join(f"{name} {unit}" for name, unit in zip(top.header, top.units, strict=False) if unit)
+    yield f"{where or 'of these one'} with the units ({shown(named)[1:-1]})" if named else where
 
 
 def _offset(text: str, number: int) -> int:

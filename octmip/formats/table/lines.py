@@ -13,7 +13,7 @@ SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": 
 TAIL = 50
 """Rows, the last of some, that show what a column holds; most lines of words after the last row."""
 COMMENT = re.compile(r"\s*(?:#|%|//)")
-RULE = re.compile(r"[\s|+:]*[-=]{3,}[-=+|:\s]*")
+RULE = re.compile(r"(?=(?:[^-=]*[-=]){3})[-=+|:\s]+")
 """A line drawn above or under a header, or under the last row."""
 
 

@@ -5,6 +5,7 @@ import gzip
 import io
 import re
 import sys
+import unicodedata
 import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -31,6 +32,8 @@ NO_TABLE = {
     re.compile(PARQUET): "a Parquet file; expected its name to end in .parquet; rename it",
     re.compile(rb"\s*<(?:!doctype|html|table|\?xml|stata_dta)", re.IGNORECASE): "a page, XML or Stata's; " + EXPORT,
     re.compile(rb'\s*(?:\{\s*"|\[\s*[\[{])'): "JSON; " + EXPORT,
+    re.compile(rb"(?:\s*%[^\n]*\n)*\s*@relation\s", re.IGNORECASE): "ARFF, as Weka and KEEL write it; " + EXPORT,
+    re.compile(rb"[+-]?[\d.]+(?: \d+:\S+)+ *\r?\n"): "sparse rows of LIBSVM; " + EXPORT,
     re.compile(rb".{0,127}[\x00\x02-\x08\x0e-\x19\x1c-\x1f]", re.DOTALL): "no text but a binary file; " + EXPORT,
 }
 """What is no table although it may be decoded as text, and what to do."""
@@ -41,6 +44,8 @@ MOST_TIMES = (
 )
 PADDING = "\0\x1a"
 """What programs of CP/M's descent and loggers with blocks of a fixed size write behind the last line."""
+BOX = str.maketrans(dict.fromkeys("│┃║", "|") | dict.fromkeys("─━═┄╌┌┬┐├┼┤└┴┘╞╪╡╭╮╯╰┏┳┓┡╇┩╔╦╗╠╬╣╚╩╝", "-"))
+"""The lines of a box around a table, as the shells of databases draw them."""
 MINUS = re.compile(r"(^|[,;\t|\"])( *)\u2212(?=\.?[0-9])", re.MULTILINE)
 """The minus of typesetters where a cell begins as a number, as spreadsheets write it in some languages."""
 ENDINGS = {".csv": "csv", ".tsv": "tsv", ".tab": "tsv", ".parquet": "parquet"}
@@ -138,6 +143,8 @@ def _with_line_feeds(text: str) -> str:
     text = text.lstrip("\ufeff").rstrip(PADDING)
     text = text.replace("\n\ufeff", "\n") if "\ufeff" in text else text  # files that were joined have several marks
     text = text.replace("\r\n", "\n").replace("\r", "\n") if is_alone else text
+    if not text.isascii():  # one spelling of each letter, since some systems write an accent behind it
+        text = unicodedata.normalize("NFC", text.translate(BOX) if "│" in text or "┃" in text else text)
     return MINUS.sub(r"\1\2-", text) if "\u2212" in text else text
 
 

@@ -17,6 +17,7 @@ from octmip.formats.table.lines import (
     width_of,
 )
 from octmip.formats.table.units import is_unit, unit_in
+from octmip.input.messages import several
 
 END_OF_HEADER = "***End_of_Header***"
 """Ends what stands before the header in a LabVIEW measurement file."""
@@ -77,12 +78,14 @@ def top_of(name: str, lines: Sequence[tuple[int, str]], separator: str) -> Top:
     n_cells = width_of(rows[start:])
     first, numeric = _first_row(rows, start, n_cells)
     number, names, first = _header(name, lines, rows, start, first, n_cells, separator)
+    _refuse_row(name, number, names, rows, numeric)
     first = _below_units(rows, number, first, numeric)
     between, first = _between(rows, number, first, len(names), numeric, lines)
     before = [row for row in rows if row.number < number]
     if not start:
         _refuse_tables(name, [line for line in lines if line[0] < number])
-    units = next((row.cells for row in between if len(row.cells) == len(names) and is_units(row.cells)), ())
+    beside = [row.cells for row in (*between, *before[-1:]) if len(row.cells) == len(names)]
+    units = next((cells for cells in beside if is_units(cells)), ())
     begin = rows[first].number if first < len(rows) else rows[-1].last + 1
     text_of, used = dict(lines), {k for row in rows for k in range(row.number, row.last + 1)} | {number}
     return Top(
@@ -168,6 +171,21 @@ def _is_whole(names: Sequence[str]) -> bool:
     return all(names) and len(set(names)) == len(names) and not is_units(names)
 
 
+def _refuse_row(name: str, number: int, names: Sequence[str], rows: Sequence[Line], numeric: Sequence[int]) -> None:
+    """Refuse a header that is a row: numbers where rows have numbers, and words that stand below it too."""
+    below = [row.cells for row in rows if row.number > number and row.cells != names and len(row.cells) == len(names)]
+    words = [j for j in range(len(names)) if j not in numeric]
+    if (
+        words
+        and all(names[j] and is_value(names[j]) for j in numeric)
+        and all(any(names[j] == cells[j] for cells in below) for j in words)
+    ):
+        raise DataError(
+            f"{name}, line {number}: the header is a row like those below it, {several(names, 3)}; expected a header "
+            "line with a name for each column; put one above it"
+        )
+
+
 def _below_units(rows: Sequence[Line], number: int, first: int, numeric: Sequence[int]) -> int:
     """Return the place of the first row, which stands below a row of units, as those of serial numbers do not."""
     begin = next((k for k, row in enumerate(rows) if row.number > number), len(rows))
@@ -176,7 +194,9 @@ def _below_units(rows: Sequence[Line], number: int, first: int, numeric: Sequenc
         named = [cells[j] for j in numeric if j < len(cells) and cells[j]]
         rest = "".join(unit_in(cell) for j, cell in enumerate(cells) if j not in numeric)
         are_codes = bool(rest) or max(map(len, named), default=0) < 2  # A, N may be a class and an answer
-        if named and not any(map(is_value, named)) and is_units(cells) and (k == begin or not are_codes):
+        is_of_types = bool(numeric) and len(cells) > 1 and not any(map(unit_in, cells))
+        is_of_units = named and not any(map(is_value, named)) and is_units(cells)
+        if is_of_types or (is_of_units and (k == begin or not are_codes)):
             return max(first, k + 1)
     return first
 
@@ -192,7 +212,8 @@ def _between(
     """Return the rows between header and first row that hold none, and the place of the first that may be one.
 
     These are units and what stands above them, a word alone, what a Campbell logger made of each column, and whatever
-    words stand above an empty line, as HBM's catman writes them.
+    words stand above an empty line, as HBM's catman writes them, or under units where all columns are of numbers, as
+    Origin's comments.
     """
     begin = next((k for k, row in enumerate(rows) if row.number > number), len(rows))
     units = max((k for k in range(begin, first) if is_units(rows[k].cells)), default=begin)
@@ -205,7 +226,8 @@ def _between(
         cells = rows[k].cells
         is_word = len(cells) == 1 and n_names > 1 and not is_value(cells[0])
         holds_values = any(cells[j] and is_value(cells[j]) for j in numeric if j < len(cells))
-        if not (is_units(cells) or is_word or (is_apart and not holds_values)):
+        is_of_words = k > units and not any(cell for j, cell in enumerate(cells) if j not in numeric)
+        if not (is_units(cells) or is_word or ((is_apart or is_of_words) and not holds_values)):
             return list(rows[begin:k]), k
     return list(rows[begin:first]), first
 

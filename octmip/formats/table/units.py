@@ -33,7 +33,17 @@ _QUANTITIES = {
     "frequency": {"Hz": 1.0, "1/s": 1.0, "kHz": 1e3, "MHz": 1e6, "mHz": 1e-3, "rpm": 1 / 60, "1/min": 1 / 60},
     "pressure": {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "bar": 1e5, "mbar": 1e2}
     | {"psi": 6894.757293168},
-    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": 86400.0}
+    "time": {
+        "s": 1.0,
+        "sec": 1.0,
+        "Sec": 1.0,
+        "ms": 1e-3,
+        "us": 1e-6,
+        "ns": 1e-9,
+        "min": 60.0,
+        "h": 3600.0,
+        "d": 86400.0,
+    }
     | {"second": 1.0, "seconds": 1.0, "minutes": 60.0, "hours": 3600.0, "days": 86400.0},
     "speed": {"m/s": 1.0, "mm/s": 1e-3, "km/h": 1 / 3.6, "kn": 1852 / 3600},
     "acceleration": {"m/s2": 1.0, "m/s^2": 1.0, "m/s**2": 1.0, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
@@ -52,8 +62,12 @@ _QUANTITIES = {
 }
 _LOGGER = frozenset({"TS", "RN", "NO.", "Time", "unitless", "bool", "text", "date", "none", "string"})
 """What a row of units says of columns that have none: time stamps and record numbers of a logger among them."""
-_LABELS = frozenset({"unit", "units", "einheit", "einheiten", "unité", "unités", "unidad", "unidades"})
-"""What a row of units has in a column of words, in any case."""
+_LABELS = frozenset(
+    {"unit", "units", "einheit", "einheiten", "unité", "unités", "unidad", "unidades"}
+    | {"continuous", "discrete", "class", "meta", "string", "integer", "real", "numeric", "double", "float", "boolean"}
+    | {"int32", "int64", "float32", "float64", "varchar", "timestamp", "i32", "i64", "f32", "f64", "str", "object"}
+)
+"""What a row of units has in a column of words, and a row of types in any, in any case."""
 _MEASURE = re.compile(r"(?!.*\d\s*(?:\*\*|\^)).{1,40}")
 """What is given to pint: no long text, and no power of a number, which may have any number of digits."""
 _BEHIND = re.compile(
@@ -65,9 +79,10 @@ _APART = re.compile(r"(?P<name>.*[^\s_,:\u2013—-])(?:\s*[,:\u2013—-]\s*|_(?=
 
 
 def plain_unit(text: str) -> str:
-    """Return a unit without brackets and with the letters of ASCII where these do: µm/m is um/m, mm² is mm2."""
+    """Return a unit without brackets, long words in small letters, in ASCII where that does: µm/m is um/m."""
     text = unicodedata.normalize("NFKC", text.strip()).strip("[](){}<> ")
-    return text.replace("μ", "u").replace("·", "*").strip()
+    text = text.replace("μ", "u").replace("·", "*").strip()
+    return text.lower() if len(text) > 4 and text.isalpha() else text  # Microstrain, Volts; but MN is no mN
 
 
 _UNITS = {plain_unit(unit): (quantity, size) for quantity, units in _QUANTITIES.items() for unit, size in units.items()}

@@ -25,15 +25,25 @@ from octmip.input.messages import several, shown
 
 Floats = NDArray[np.float64]
 TIME, TEMPERATURE, TEST = "time", "temperature", "test"
-OWN = {TEST: (TEST,), TIME: (TIME, "timestamp", "datetime"), TEMPERATURE: (TEMPERATURE,)}
+OWN = {TEST: (TEST,), TIME: (TIME, "timestamp", "datetime", "zeit", "uhrzeit"), TEMPERATURE: (TEMPERATURE,)}
 """What a campaign has beside what the twin names, and how files call it, in any case."""
 DAY_NAMES = ("date", "day", "datum")
 """Names of a column with the day of a time of day."""
 SECONDS = 86_400
-MILLISECONDS = 1e11
-"""Seconds since 1970 end below it (the year 5138), and milliseconds begin (March 1973)."""
-SERIAL = (2e4, 8e4)
-"""Days of spreadsheets, from 1954 to 2119."""
+FINER = {"nanoseconds": (1e17, "ns"), "microseconds": (1e14, "us"), "milliseconds": (1e11, "ms")}
+"""What times since 1970 may count that are greater than a number; below 1e11 are seconds up to the year 5138."""
+SERIAL = ((2e4, 8e4), (7.1e5, 7.7e5))
+"""Days of spreadsheets, from 1954 to 2119, and of MATLAB, from 1943 to 2108."""
+
+
+def doubt_of(seconds: Floats) -> str:
+    """Return what numbers (n,) that are read as seconds may count, "days" or one of `FINER`; "" where none does."""
+    known = seconds[np.isfinite(seconds)]
+    most = np.abs(known).max(initial=0.0)
+    if finer := next((unit for unit, (least, _) in FINER.items() if most > least), ""):
+        return finer
+    is_short = known.size and 0.0 < np.ptp(known) < 30.0
+    return "days" if is_short and any(a < known[0] < b for a, b in SERIAL) else ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -186,13 +196,10 @@ class CampaignColumns:
         """Return times that are numbers; what may be days of a spreadsheet or milliseconds is said."""
         if self.units.get(TIME):
             return self.in_unit(TIME, "s", values)
-        known = values[np.isfinite(values)]
-        notes: tuple[str, ...] = ()
-        if known.size and np.abs(known).max() > MILLISECONDS:
-            notes = ("Column time is read as seconds; it may count milliseconds: write time [ms] then.",)
-        elif known.size and SERIAL[0] < known.min() and known.max() < SERIAL[1] and 0.0 < np.ptp(known) < 30.0:
-            notes = ("Column time is read as seconds; it may count days, as spreadsheets do: write time [d] then.",)
-        return values, notes
+        doubt = doubt_of(values)
+        unit = FINER[doubt][1] if doubt in FINER else "d"
+        told = f"Column time is read as seconds; it may count {doubt}: write time [{unit}] then."
+        return values, (told,) * bool(doubt)
 
     def _written(self, texts: Sequence[str], present: Sequence[str]) -> tuple[Floats, tuple[str, ...]]:
         told, why = self._rising(texts, present)
@@ -284,16 +291,15 @@ def read_columns(
         if name in place:
             raise DataError(f"{table.name}: columns {place[name]!r} and {column!r} are both {name!r}; name it once")
         place[name], given[name] = column, unit or units.get(column, "")
-    _refuse_absent(table, place, gauges, loads)
     for column in unused:
-        meant = next(
-            (name for name in known if name not in place and _plain(name) == _plain(unit_behind(column)[0])), ""
-        )
+        plain = {_plain(column), _plain(unit_behind(column)[0])}
+        meant = next((name for name in known if name not in place and _plain(name) in plain), "")
         if meant:
             raise DataError(
                 f"{table.name}: column {column!r} is no gauge, load or state of the twin, which has {meant!r}; "
                 f"expected its name; write {meant!r}"
             )
+    _refuse_absent(table, place, gauges, loads)
     notes = table.notes
     unused = [column for column in unused if column.strip().lower() not in DAY_NAMES]
     if unused:
@@ -324,7 +330,10 @@ def _refuse_absent(table: Table, place: Mapping[str, str], gauges: Sequence[str]
                 f"{table.name}: column {name!r} is missing; got {several(table.columns, 6)}; add it to every row"
             )
     if not any(name in place for name in gauges):
-        raise DataError(f"{table.name}: no gauge column; expected names such as {several(gauges, 3)}; add the gauges")
+        raise DataError(
+            f"{table.name}: no gauge column; got {several(table.columns, 6)}; expected names such as "
+            f"{several(gauges, 3)}; add the gauges"
+        )
 
 
 def _plain(name: str) -> str:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from octmip.errors import DataError, needed_by
+from octmip.gap.campaign.columns import doubt_of
 from octmip.input.messages import several
 from octmip.recordings.recording import Channel, Floats, Recording
 
@@ -29,14 +30,18 @@ def read(path: Path) -> Recording:
             f"{path}: no structure holds series beside their times; expected a vector called {several(TIMES)}, or a "
             f"rate {RATES[0]!r}, among them; save it with them"
         )
-    return Recording("MAT", {name: functools.partial(Channel, name, "", *pair) for name, pair in found.items()})
+    doubts = {doubt for time, _ in found.values() if (doubt := doubt_of(time))}
+    told = tuple(f"Times are read as seconds; they may count {doubt}: save them in seconds." for doubt in doubts)
+    loaders = {name: functools.partial(Channel, name, "", *pair) for name, pair in found.items()}
+    return Recording("MAT", loaders, notes=told)
 
 
 def _channels(structure: Mapping[str, Any], before: str) -> Iterator[tuple[str, tuple[Floats, Any]]]:
     arrays = {key: np.squeeze(value) for key, value in structure.items() if isinstance(value, np.ndarray)}
-    lower = {key.lower(): key for key in structure}
+    lower = {key.lower() if len(key) > 1 else key: key for key in structure}  # T is a temperature
     named = next((lower[name] for name in TIMES if name in lower and lower[name] in arrays), None)
-    rate = next((structure[lower[name]] for name in RATES if name in lower and np.ndim(structure[lower[name]]) == 0), 0)
+    rates = (structure[lower[name]] for name in RATES if name in lower)
+    rate = next((float(own) for own in rates if isinstance(own, int | float | np.integer | np.floating)), 0.0)
     for key, array in arrays.items():
         if key == named or array.dtype.kind not in "biuf" or not array.size:
             continue

@@ -11,8 +11,12 @@ from octmip.gap.campaign.columns import OWN, TIME, CampaignColumns
 from octmip.input.messages import several
 from octmip.recordings.recording import Channel, Recording
 
-TIMES = (*OWN[TIME], "x_value", "t", "zeit")
+TIMES = (*OWN[TIME], "x_value", "t")
 """How files call the column of times, in any case."""
+
+
+def _is_time(name: str) -> bool:
+    return (name.lower() if len(name) > 1 else name) in TIMES  # T is a temperature
 
 
 def read(path: Path) -> Recording:
@@ -25,7 +29,7 @@ def read(path: Path) -> Recording:
     """
     table = read_table(path, keeps_names=True)
     named = {column: unit_behind(column) for column in table.columns}
-    stamps = next((column for column, (name, _) in named.items() if name.strip().lower() in TIMES), None)
+    stamps = next((column for column, (name, _) in named.items() if _is_time(name.strip())), None)
     if stamps is None and "" in named and table.frame[""].dtype.kind not in "iuf":  # an index, which may count samples
         stamps = ""
     if stamps is None:

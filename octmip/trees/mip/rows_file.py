@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError, SolverError
+from octmip.input.cells import plain_number
 from octmip.input.files import PathLike, read_bytes, read_text, write_bytes
 from octmip.input.messages import shown
 from octmip.trees.mip.highs import worker
@@ -129,6 +130,11 @@ def read_values(rows: Rows, path: PathLike) -> NDArray[np.float64]:
         )
     values = np.zeros(len(column))
     values[list(found)] = list(found.values())
+    if not np.isfinite(values).all():
+        odd = int(np.isfinite(values).argmin())
+        raise DataError(
+            f"solution {path} gives {names(rows)[odd]} the value {values[odd]}; expected finite numbers; solve it again"
+        )
     return values
 
 
@@ -173,15 +179,10 @@ def _title(title: str, path: Path) -> bytes:
 
 
 def _value(words: list[str]) -> float | None:
-    """Return the value behind a name: what CPLEX calls value, else the first number; GLPK puts a star before it."""
-    if "value" in words[:-1]:
+    """Return the value behind a name: a number there, what CPLEX calls value, or what stands behind GLPK's star."""
+    if "value" in words[:-1] and plain_number(words[0]) is None:
         words = words[words.index("value") + 1 :]
-    for word in words:
-        try:
-            return float(word)
-        except ValueError:
-            continue
-    return None
+    return next((number for word in words if (number := plain_number(word)) is not None), None)
 
 
 def _lp_lines(rows: Rows) -> Iterator[str]:
