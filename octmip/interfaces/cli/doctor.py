@@ -38,9 +38,11 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         "plot": Extra(("matplotlib",), "drawings"),
         "parquet": Extra(("pyarrow",), "tables in Parquet files"),
         "onnx": Extra(("onnx",), "export to ONNX"),
-        "recordings": Extra(
-            tuple(name for name, extra in EXTRA_OF.items() if extra == "recordings"), "files of loggers"
-        ),
+        "model": Extra(("pyomo",), "formulations as models of Pyomo"),
+        "recordings": Extra(tuple(name for name in EXTRA_OF if EXTRA_OF[name] == "recordings"), "files of loggers"),
+        "meshes": Extra(("meshio", "pyfe3d"), "structures from mesh files"),
+        "cholmod": Extra(("sksparse",), "sparse factors by CHOLMOD"),
+        "pictures": Extra(("pyvista",), "renderings of the wing"),
     }
 )
 
