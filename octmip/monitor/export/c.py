@@ -116,6 +116,12 @@ def c_source(
     ------
     TreeError
         `name` is no C name, the names do not cover the tree, or C has no such answer.
+
+    Examples
+    --------
+    >>> print(c_source(Split(0, 2.5, Leaf(0), Leaf(1)), ["g1"], ["sound", "damaged"], name="state"))
+    /* Answers one of "sound", "damaged"; ... */ ...
+    const char *state(const double *reading) ...
     """
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) or name in KEYWORDS:
         raise TreeError(

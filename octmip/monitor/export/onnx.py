@@ -51,6 +51,12 @@ def onnx_model(
         the package onnx is not installed.
     TreeError
         the names do not cover the tree, or ONNX has no such name or answer.
+
+    Examples
+    --------
+    >>> model = onnx_model(Split(0, 2.5, Leaf(0), Leaf(1)), ["g1"], ["sound", "damaged"])
+    >>> [one.name for one in model.graph.output]
+    ['prediction']
     """
     own = own_tree(tree, columns, class_names)
     _check(own)

@@ -59,6 +59,12 @@ def sql_expression(
         the names do not cover the tree, or it reads or answers what no expression can hold in all databases: a name or
         text with a backslash, a duration, a number that is written with a sign or with marks between its digits, a date
         that is neither one of the database nor ISO text.
+
+    Examples
+    --------
+    >>> print(sql_expression(Split(0, 2.5, Leaf(0), Leaf(1)), ["g1"], ["sound", "damaged"]))
+    /* Answers one of "sound", "damaged"; ... */
+    CASE ... THEN NULL ... <= ... THEN 'sound' ELSE 'damaged' END
     """
     own = own_tree(tree, columns, class_names)
     _check_names(own)

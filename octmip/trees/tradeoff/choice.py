@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
+from octmip.input.messages import InWords
 from octmip.trees.answer.solution import Limits, Solution, Stop
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.nodes.tree import Node, depth
@@ -58,7 +59,7 @@ SHARE_OF_PATHS = 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Choice:
+class Choice(InWords):
     """The tree that cross-validation chooses, and everything that it was chosen from.
 
     Attributes
@@ -99,6 +100,11 @@ class Choice:
         found = {"kind": self.chosen.kind, "depth": shape.depth, "leaf_penalty": shape.leaf_penalty}
         found |= {"rule": self.rule, "n_steps": len(self.steps), "n_paths": len(self.paths)}
         return f"Choice({', '.join(f'{name}={value!r}' for name, value in found.items())})"
+
+    def __str__(self) -> str:
+        """Return what was chosen, the cost to expect on new rows, and the tree."""
+        rows = "" if self.expectation is None else self.expectation.words()
+        return f"{self!r}\n{rows}\n\n{self.tree}"
 
     @property
     def tree(self) -> Node:
