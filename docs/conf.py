@@ -26,6 +26,7 @@ extensions = [
     "sphinxcontrib.bibtex",
     "example_pictures",
     "mathml",
+    "notebooks",
 ]
 exclude_patterns = ["_build", "_extensions"]
 

@@ -65,6 +65,9 @@ def test_every_page_of_the_documentation_is_on_the_site(site):
     wanted = {page.relative_to(ROOT / "docs").with_suffix(".html") for page in (ROOT / "docs").rglob("*.md")}
     assert len(wanted) > 50
     assert {name for name in wanted if not (site / name).exists()} == set()
+    notebook = json.loads((site / "tutorial.ipynb").read_text())
+    assert [cell["cell_type"] for cell in notebook["cells"]].count("code") > 10
+    assert '<a href="tutorial.ipynb"' in (site / "tutorial.html").read_text()
 
 
 def test_links_lead_to_pages_and_places(pages):

@@ -120,6 +120,7 @@ def test_the_top_says_what_is_decided_how_well_whether_proven_and_what_greedy_lo
     assert re.search(r"The usual greedy tree \(CART\) makes \d+ more errors\.", xor_page)
     assert "Recounted for this page: each of the 200 samples of xor.csv" in xor_page
     assert "1 March 2026" in xor_page
+    assert re.search(r"; boosting, which nobody can read: \d+ of 50 samples wrong .*; forest, which", xor_page)
     assert "\u2264 0.00" in xor_page.replace("\u2264 \u2212", "\u2264 ")
     assert "microstrain?" in xor_page
 
@@ -141,8 +142,14 @@ def test_the_confusion_has_the_true_class_in_rows():
     page = tree_page(
         record_tree(problem, Solution(stump, 2.0, 0.0, Stop.TIME, 0.0, 1, "search", "1", 0), "y"), "t.json"
     )
-    assert '<th scope="row">yes</th><td class="n">2</td><td class="n">1</td><td class="n">3</td>' in page
-    assert '<th scope="row">no</th><td class="n">1</td><td class="n">0</td><td class="n">1</td>' in page
+    cells = [re.findall(r"<t[dh][^>]*>([^<]*)", row) for row in re.findall(r"<tr>.*?</tr>", page)]
+    table = cells.index(["true class", "no", "yes", "all", "recall"])
+    assert cells[table + 1 : table + 4] == [
+        ["no", "1", "0", "1", "100 %"],
+        ["yes", "2", "1", "3", "33.3 %"],
+        ["precision", "33.3 %", "100 %", "", ""],
+    ]
+    assert "balanced accuracy 66.7 %" in page
 
 
 def test_a_leaf_alone_is_a_tree_too():

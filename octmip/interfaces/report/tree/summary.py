@@ -68,7 +68,9 @@ def _new_samples(file: TreeFile, evidence: Evidence | None, measure: Measure) ->
     """Return what holds on new samples: counted on samples held out, or expected by cross-validation."""
     if evidence is not None and (held := evidence.held_out) is not None:
         own, greedy = (measure.on_new_samples(held, one, evidence.problem) for one in (held.tree, held.greedy))
-        return f"On new samples: {own}; the greedy tree: {greedy}."
+        lost = {name: evidence.problem.loss.words_of(s.measures, s.n_samples) for name, s in evidence.ensembles.items()}
+        beside = "; ".join(f"{name}, which nobody can read: {words}" for name, words in lost.items())
+        return f"On new samples: {own}; the greedy tree: {greedy}{beside and '; ' + beside}."
     expected = expected_errors(file)
     if expected is None:
         return ""
