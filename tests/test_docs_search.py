@@ -43,6 +43,22 @@ SEARCHES = {
     "cluster dask": "howto/machines",
     "finite element digital twin": "faq",
     "diagnose gap asset twin": "howto/diagnose-a-gap",
+    "rashomon set": "howto/near-optimal",
+    "multiclass": "index",
+    "verbose": "faq",
+    "slurm": "howto/machines",
+    "spark": "howto/machines",
+    "slurm checkpoint": "results/scaling",
+    "conda": "install",
+    "uv pipx": "install",
+    "docker": "install",
+    "python 3.13": "install",
+    "pmml": "howto/export",
+    "fairness": "faq",
+    "streamlit": "faq",
+    "changelog": "faq",
+    "half a standard error": "howto/solve-a-csv",
+    "notebook": "index",
 }
 
 

@@ -83,6 +83,13 @@ def test_links_lead_to_pages_and_places(pages):
     assert broken == []
 
 
+def test_a_reader_by_keyboard_and_ear_gets_levels_names_and_focus(site):
+    found = {path: path.read_text() for path in site.rglob("*.html")}
+    wrong = ("<pre>", 'role="heading">', "doc-biblioentry", '<th class="head"></th>', "(</span><dl>", "<p></p></th>")
+    assert not [(path.name, sign) for path, text in found.items() for sign in wrong if sign in text]
+    assert '<span class="sig-line">' in found[site / "api" / "solve.html"]
+
+
 def test_the_site_loads_nothing_from_elsewhere(pages):
     for path, page in pages.items():
         assert [name for name in page.loaded if re.match(r"(https?:)?//", name)] == [], path

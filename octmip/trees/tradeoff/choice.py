@@ -345,6 +345,7 @@ def _traced(
     from joblib import Parallel, delayed
 
     found: list[list[PenaltyPath]] = []
+    start = time.perf_counter()
     try:
         # Problems are asked for one after the other, each when a worker is free.
         parallel = Parallel(n_jobs=n_jobs, return_as="generator", pre_dispatch="n_jobs", batch_size=1)
@@ -352,7 +353,8 @@ def _traced(
             found.append([path for path in paths if not path.is_interrupted])
             if len(found[-1]) < len(paths):
                 return found, True
-            stage(f"cross-validating, {len(found)} of {n_problems} done (all rows, then all but each fold)")
+            left = (time.perf_counter() - start) * (n_problems / len(found) - 1)
+            stage(f"cross-validating, {len(found)} of {n_problems} fits done (all rows, each fold), {left:.0f} s left")
     except KeyboardInterrupt:
         return found, True
     return found, False
