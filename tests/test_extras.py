@@ -70,44 +70,20 @@ for words in (
     said[words] = [code, err.getvalue()]
 
 
-def sentence(use):
+USES = {
+    "beam": "from femlib.elements.beam2 import element_library; element_library()",
+    "meshes": "import femlib; femlib.read('x.msh')",
+    "stored": "from femlib.dataset.parquet import pyarrow_modules; pyarrow_modules()",
+    "pictures": "import femlib.wing.export.pictures",
+    "plot": "import octmip.interfaces.plot",
+    "onnx": "from octmip.monitor.export import onnx_model; onnx_model(solution.tree, ['a', 'b'], [0, 1])",
+}
+for name, use in USES.items():
+    said[name] = ["", "no error"]
     try:
-        use()
+        exec(use)
     except ImportError as error:
-        return [type(error).__module__, str(error)]
-    return ["", "no error"]
-
-
-def beam():
-    from femlib.elements.beam2 import element_library
-    element_library()
-
-
-def stored():
-    from femlib.dataset.parquet import pyarrow_modules
-    pyarrow_modules()
-
-
-def pictures():
-    import femlib.wing.export.pictures
-
-
-def plot():
-    import octmip.interfaces.plot
-
-
-def onnx():
-    from octmip.monitor.export import onnx_model
-    onnx_model(solution.tree, ["a", "b"], [0, 1])
-
-
-def meshes():
-    import femlib
-    femlib.read("x.msh")
-
-
-for use in (beam, meshes, stored, pictures, plot, onnx):
-    said[use.__name__] = sentence(use)
+        said[name] = [type(error).__module__, str(error)]
 print(json.dumps(said))
 """
 

@@ -12,7 +12,7 @@ from urllib.parse import unquote, urldefrag
 
 import pytest
 
-from tests.test_docs_search import QUESTIONS, SEARCHES
+from tests.test_docs_search import SEARCHES
 
 ROOT = Path(__file__).parent.parent
 NEEDED = ("sphinx", "furo", "myst_parser", "sphinx_copybutton", "sphinx_design", "sphinxcontrib.bibtex")
@@ -111,7 +111,8 @@ def test_the_search_of_the_site_lists_the_page_that_answers(site):
     text = (site / "searchindex.js").read_text()
     index, language = json.loads(text[text.index("(") + 1 : text.rindex(")")]), SearchEnglish({})
     without = []
-    for search, page in {**SEARCHES, **QUESTIONS}.items():
+    assert len(SEARCHES) > 80
+    for search, page in SEARCHES.items():
         place = index["docnames"].index(page)
         stems = [language.stem(word) for word in language.split(search.lower()) if language.word_filter(word)]
         lists = [[index[kind].get(stem, []) for kind in ("terms", "titleterms")] for stem in stems]

@@ -16,7 +16,7 @@ class InWords:
     __slots__ = ()
 
     def _repr_html_(self) -> str:
-        return f"<pre>{escape(str(self))}</pre>"
+        return f'<pre style="font-family:monospace">{escape(str(self))}</pre>'
 
 
 def shown(value: object) -> str:

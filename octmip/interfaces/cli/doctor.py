@@ -158,7 +158,7 @@ def _extras() -> list[Finding]:
     found = []
     for name, extra in EXTRAS.items():
         absent = [module for module in extra.modules if importlib.util.find_spec(module) is None]
-        cure = f"; without {', '.join(absent)} it is not there: pip install 'octmip[{name}]'" if absent else ""
+        cure = f"; without {', '.join(absent)} it is not there; install octmip[{name}]" if absent else ""
         found.append(Finding(f"octmip[{name}]", not absent, f"{extra.gives}{cure}", is_needed=False))
     return found
 

@@ -21,6 +21,7 @@ from octmip.monitor.export.legend import Legend, comment, quoted
 from octmip.monitor.export.questions import (
     Answer,
     Asked,
+    ClassNames,
     OwnTree,
     Part,
     SumAsked,
@@ -100,7 +101,7 @@ UNKNOWN = -1.0
 def c_source(
     tree: Node,
     columns: Columns | Sequence[str],
-    class_names: Sequence[Any] | None = None,
+    class_names: ClassNames = None,
     *,
     name: str = "octmip_predict",
     legend: Legend | None = None,

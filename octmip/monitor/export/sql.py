@@ -21,6 +21,7 @@ from octmip.monitor.export.legend import Legend, comment, quoted
 from octmip.monitor.export.questions import (
     Answer,
     Asked,
+    ClassNames,
     NumberAsked,
     OwnTree,
     Part,
@@ -42,7 +43,7 @@ INT32, INT64 = 2**31, 2**63
 def sql_expression(
     tree: Node,
     columns: Columns | Sequence[str],
-    class_names: Sequence[Any] | None = None,
+    class_names: ClassNames = None,
     *,
     table: str = "",
     legend: Legend | None = None,
