@@ -24,8 +24,10 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "sphinxcontrib.bibtex",
+    "accessible",
     "example_pictures",
     "mathml",
+    "notebooks",
 ]
 exclude_patterns = ["_build", "_extensions"]
 
@@ -38,8 +40,8 @@ html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sourcelink = False
 html_theme_options = {"navigation_with_keys": True}
-pygments_style = "friendly"
-pygments_dark_style = "github-dark"
+pygments_style = "a11y-high-contrast-light"
+pygments_dark_style = "a11y-high-contrast-dark"
 
 myst_enable_extensions = ["attrs_block", "colon_fence", "dollarmath"]
 myst_dmath_double_inline = False

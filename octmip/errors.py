@@ -15,7 +15,14 @@ EXTRA_OF = {
 
 
 class OctmipError(Exception):
-    """Any error that octmip raises on purpose."""
+    """Any error that octmip raises on purpose.
+
+    >>> try:
+    ...     Problem([[0], [1]], ["a"], depth=1)
+    ... except OctmipError as error:
+    ...     print(error)
+    targets has shape (1,) but features has 2 rows; give one for each row
+    """
 
 
 class ProblemError(OctmipError, ValueError):

@@ -8,79 +8,49 @@ N_QUESTIONS = 30
 FIRST_WORDS = 14
 """Words before the first stop of an answer, at most."""
 
+ASKED = """
+faq: gpu; licence of data; commercial use; cite; callback; monotonic constraint; overfitting; warm start
+faq: why is gap not 0; not proven optimal; fix the root; custom loss; quantile; windows; R package; lightgbm
+faq: random forest; streaming partial_fit; gurobi; random seed; class imbalance; feature scaling; dates
+faq: how much memory; predict_proba calibration; save load tree; finite element digital twin; verbose; fairness
+faq: streamlit; changelog; report a bug or contribute
+howto/text-and-missing: missing values; categorical columns; text columns and empty cells
+howto/export: export sql; pmml; tree as C code
+howto/costs-and-weights: cost matrix; one mistake costs more than another
+examples/choosing: depth cross-validation
+howto/machines: cluster dask; slurm; spark
+howto/diagnose-a-gap: diagnose gap asset twin
+howto/near-optimal: rashomon set; which sensor can I lose
+index: multiclass; notebook; my model does not predict what the structure reads; what is an optimal decision tree
+results/scaling: slurm checkpoint
+install: conda; uv pipx; docker; python 3.13; how do I install it; which python version
+howto/solve-a-csv: half a standard error
+how-long: how long will a proof take
+reliability: is the best tree really proven
+howto/check-a-proof: check a proof without the solver
+howto/held-out: hold out data to see what holds on new rows
+howto/regression-trees: predict a number instead of a class; linear model in the leaves
+howto/monotone: prediction must rise with a sensor; at most four leaves
+howto/sensor-budget: budget of sensors that cost money
+examples/placement: where to put strain gauges on a wing
+howto/large-tables: proof takes too long for a large table; resume an interrupted proof
+howto/doors: diagnose with a python function of my own
+howto/monitor-command: monitor my machine by one command
+benchmarks: is it faster than pycontree
+examples/model: equations of the mixed-integer program
+examples/scikit-learn: feature importance
+gap: what is a commissioning run; how often is the diagnosis right
+theory/proofs/verified: how is the proof checked in Coq
+examples/command: exit code of the command
+results/modes: buckling load of the wing
+examples/failed-gauge: which sensor has failed
+"""
+"""What a user types, or asks who sees the site for the first time, in his words, behind the page that answers."""
 SEARCHES = {
-    "gpu": "faq",
-    "licence of data": "faq",
-    "commercial use": "faq",
-    "cite": "faq",
-    "callback": "faq",
-    "monotonic constraint": "faq",
-    "overfitting": "faq",
-    "warm start": "faq",
-    "why is gap not 0": "faq",
-    "not proven optimal": "faq",
-    "fix the root": "faq",
-    "custom loss": "faq",
-    "quantile": "faq",
-    "windows": "faq",
-    "R package": "faq",
-    "lightgbm": "faq",
-    "random forest": "faq",
-    "streaming partial_fit": "faq",
-    "gurobi": "faq",
-    "random seed": "faq",
-    "class imbalance": "faq",
-    "feature scaling": "faq",
-    "dates": "faq",
-    "how much memory": "faq",
-    "predict_proba calibration": "faq",
-    "save load tree": "faq",
-    "missing values": "howto/text-and-missing",
-    "categorical columns": "howto/text-and-missing",
-    "export sql": "howto/export",
-    "cost matrix": "howto/costs-and-weights",
-    "depth cross-validation": "examples/choosing",
-    "cluster dask": "howto/machines",
-    "finite element digital twin": "faq",
-    "diagnose gap asset twin": "howto/diagnose-a-gap",
+    search: page
+    for page, words in (line.split(": ", 1) for line in ASKED.strip().splitlines())
+    for search in words.split("; ")
 }
-
-
-QUESTIONS = {
-    "how do I install it": "install",
-    "how long will a proof take": "how-long",
-    "is the best tree really proven": "reliability",
-    "check a proof without the solver": "howto/check-a-proof",
-    "hold out data to see what holds on new rows": "howto/held-out",
-    "one mistake costs more than another": "howto/costs-and-weights",
-    "text columns and empty cells": "howto/text-and-missing",
-    "predict a number instead of a class": "howto/regression-trees",
-    "prediction must rise with a sensor": "howto/monotone",
-    "at most four leaves": "howto/monotone",
-    "budget of sensors that cost money": "howto/sensor-budget",
-    "which sensor can I lose": "howto/near-optimal",
-    "where to put strain gauges on a wing": "examples/placement",
-    "proof takes too long for a large table": "howto/large-tables",
-    "tree as C code": "howto/export",
-    "my model does not predict what the structure reads": "index",
-    "diagnose with a python function of my own": "howto/doors",
-    "monitor my machine by one command": "howto/monitor-command",
-    "is it faster than pycontree": "benchmarks",
-    "equations of the mixed-integer program": "examples/model",
-    "what is an optimal decision tree": "index",
-    "which python version": "install",
-    "resume an interrupted proof": "howto/large-tables",
-    "feature importance": "examples/scikit-learn",
-    "linear model in the leaves": "howto/regression-trees",
-    "what is a commissioning run": "gap",
-    "how often is the diagnosis right": "gap",
-    "how is the proof checked in Coq": "theory/proofs/verified",
-    "report a bug or contribute": "faq",
-    "exit code of the command": "examples/command",
-    "buckling load of the wing": "results/modes",
-    "which sensor has failed": "examples/failed-gauge",
-}
-"""What somebody asks who sees the site for the first time, in his words, and the page that answers."""
 
 
 def test_every_answer_begins_with_the_word_that_decides_and_leads_on() -> None:

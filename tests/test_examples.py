@@ -1,8 +1,7 @@
-"""The examples of the documentation run, in the order of each page, and print what the page says they print.
+"""The examples of the documentation run as the notebooks of their pages, and print what the pages say they print.
 
-A ```python block runs in the namespace of its page; the ```text block after it is its output. A ```console block runs
-commands: lines with `$` are the command, the others its output. `...` stands for what may change (times, versions). Of
-a ```text shape block only lines and indents must agree: one of several optimal trees, which may come out another.
+`...` stands for what may change (times, versions). Of a ```text shape block only lines and indents must agree: one of
+several optimal trees, which may come out another.
 """
 
 import contextlib
@@ -14,12 +13,12 @@ from pathlib import Path
 
 import pytest
 
+from docs._extensions.notebooks import code_of
 from octmip.interfaces.cli import main
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = [DOCS / "index.md", *sorted((DOCS / "examples").rglob("*.md")), *sorted((DOCS / "howto").glob("*.md"))]
 SHOWN = re.compile(r"!\[[^\]]*\]\((?:\.\./)?pictures/examples/([^)\s]+)\)")
-BLOCK = re.compile(r"^```(python|text shape|text|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def assert_output(got: str, wanted: str, place: str) -> None:
@@ -47,22 +46,13 @@ def run_command(words: list[str]) -> str:
 
 def run_page(text: str, name: str) -> None:
     namespace: dict[str, object] = {}
-    printed = ""
-    for kind, content in BLOCK.findall(text):
-        if kind == "python":
-            assert printed == "", f"{name} does not show what was printed:\n{printed}"
-            printed = run_python(content, namespace)
-        elif kind == "text":
-            assert_output(printed, content, name)
-            printed = ""
-        elif kind == "text shape":
-            assert indents(printed) == indents(content), f"{name} printed\n{printed}\nbut the page says\n{content}"
-            printed = ""
+    for source, wanted, is_shape in code_of(text):
+        is_command = source.startswith("!")
+        printed = run_command(shlex.split(source[1:])) if is_command else run_python(source, namespace)
+        if is_shape:
+            assert indents(printed) == indents(wanted), f"{name} printed\n{printed}\nbut the page says\n{wanted}"
         else:
-            for command in re.split(r"^\$ ", content, flags=re.MULTILINE)[1:]:
-                line, _, wanted = command.partition("\n")
-                assert_output(run_command(shlex.split(line)), wanted, f"{name}: {line}")
-    assert printed == "", f"{name} does not show what was printed:\n{printed}"
+            assert_output(printed, wanted, f"{name}: {source}" if is_command else name)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: f"{page.parent.name}/{page.stem}")
@@ -88,9 +78,7 @@ def test_a_page_that_says_something_else_fails(text):
 
 
 def test_the_readme_shows_a_diagnosis_and_its_output_as_the_start_page_runs_them():
-    start = (DOCS / "index.md").read_text()
-    blocks = BLOCK.findall((DOCS.parent / "README.md").read_text())
-    (first,) = [k for k, (_, content) in enumerate(blocks) if "diagnose(" in content and "import" in content]
-    kinds = [kind for kind, _ in blocks[first : first + 2]]
-    assert kinds == ["python", "text"]
-    assert all(content in start for _, content in blocks[first : first + 2])
+    start = code_of((DOCS / "index.md").read_text())
+    (shown,) = [one for one in code_of((DOCS.parent / "README.md").read_text()) if "diagnose(" in one[0]]
+    assert shown[1]
+    assert shown in start

@@ -13,8 +13,10 @@ import pytest
 
 from femlib import errors as femlib_errors
 from octmip import errors as octmip_errors
+from octmip.interfaces.cli import doctor
 
 ROOT = Path(__file__).parent.parent
+BOTH = (octmip_errors.EXTRA_OF, femlib_errors.EXTRA_OF)
 OPTIONAL = ("pyfe3d", "matplotlib", "pyarrow", "onnx", "meshio")
 
 REFUSE = f"""
@@ -68,44 +70,20 @@ for words in (
     said[words] = [code, err.getvalue()]
 
 
-def sentence(use):
+USES = {
+    "beam": "from femlib.elements.beam2 import element_library; element_library()",
+    "meshes": "import femlib; femlib.read('x.msh')",
+    "stored": "from femlib.dataset.parquet import pyarrow_modules; pyarrow_modules()",
+    "pictures": "import femlib.wing.export.pictures",
+    "plot": "import octmip.interfaces.plot",
+    "onnx": "from octmip.monitor.export import onnx_model; onnx_model(solution.tree, ['a', 'b'], [0, 1])",
+}
+for name, use in USES.items():
+    said[name] = ["", "no error"]
     try:
-        use()
+        exec(use)
     except ImportError as error:
-        return [type(error).__module__, str(error)]
-    return ["", "no error"]
-
-
-def beam():
-    from femlib.elements.beam2 import element_library
-    element_library()
-
-
-def stored():
-    from femlib.dataset.parquet import pyarrow_modules
-    pyarrow_modules()
-
-
-def pictures():
-    import femlib.wing.export.pictures
-
-
-def plot():
-    import octmip.interfaces.plot
-
-
-def onnx():
-    from octmip.monitor.export import onnx_model
-    onnx_model(solution.tree, ["a", "b"], [0, 1])
-
-
-def meshes():
-    import femlib
-    femlib.read("x.msh")
-
-
-for use in (beam, meshes, stored, pictures, plot, onnx):
-    said[use.__name__] = sentence(use)
+        said[name] = [type(error).__module__, str(error)]
 print(json.dumps(said))
 """
 
@@ -171,6 +149,25 @@ def test_the_packages_named_in_errors_are_those_of_the_extras(errors):
         assert {"sksparse": "scikit-sparse"}.get(package, package) in {
             re.split(r"[<>=!\[]", line)[0] for line in extras[extra]
         }
+
+
+def test_every_extra_of_a_user_stands_in_doctor_and_on_the_page_of_installation():
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"].keys()
+    modules = {name: {module for errors in BOTH for module in errors if errors[module] == name} for name in extras}
+    examined = {name: set(extra.modules) for name, extra in doctor.EXTRAS.items()}
+    of_users = {name: found for name, found in modules.items() if found}
+    assert examined == of_users | {"meshes": {"meshio", "pyfe3d"}}
+    page = (ROOT / "docs" / "install.md").read_text()
+    assert not [name for name in extras if f"`{name}`" not in page]
+
+
+def test_the_first_commands_of_the_readme_are_targets_and_those_of_the_check():
+    first = re.findall(r"```sh\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)[0]
+    job, tests, package = (line.partition("#")[0].strip() for line in first.splitlines())
+    assert (job, package) == ("make uav", "pip install .")
+    assert tests in (ROOT / ".ci" / "run").read_text().splitlines()
+    makefile = (ROOT / "Makefile").read_text()
+    assert all(f"\n{line.split()[1]}:" in makefile for line in (job, tests))
 
 
 @pytest.mark.parametrize("errors", [octmip_errors, femlib_errors])

@@ -23,7 +23,6 @@ if TYPE_CHECKING:  # the tests use this file without Sphinx
 
 DOCS = Path(__file__).parent.parent
 KEPT = DOCS / "pictures" / "examples"
-BLOCK = re.compile(r"^```(python|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SHOWN = re.compile(r"!\[[^\]]*\]\((?:\.\./)?pictures/examples/([^)\s]+)\)")
 SAME_FILE = {"svg.hashsalt": "octmip", "savefig.bbox": "tight", "svg.fonttype": "path"}
 
@@ -34,17 +33,18 @@ def shown_pictures(text: str) -> list[str]:
 
 
 def run_page(text: str) -> None:
-    """Run the Python and console blocks of a page, in order, in the current folder; what they print is dropped."""
+    """Run the cells of a page, in order, in the current folder; what they print is dropped."""
+    from notebooks import code_of
+
     from octmip.interfaces.cli import main
 
     namespace: dict[str, object] = {}
-    for kind, code in BLOCK.findall(text):
+    for source, _, _ in code_of(text):
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            if kind == "python":
-                exec(code, namespace)
-                continue
-            for line in re.findall(r"^\$ octmip (.*)$", code, re.MULTILINE):
-                main(shlex.split(line))
+            if source.startswith("!"):
+                main(shlex.split(source)[1:])
+            else:
+                exec(source, namespace)
 
 
 @contextlib.contextmanager

@@ -24,6 +24,8 @@ from octmip.gap.inference.inference import Judged, neighbours
 from octmip.gap.inference.posterior import fit_together
 from octmip.gap.shrinkage import Shrinkage, chance_of_rest
 from octmip.gap.sizes import Parameter, parameters
+from octmip.input.messages import InWords
+from octmip.input.names import shown
 
 Floats = NDArray[np.float64]
 
@@ -92,8 +94,8 @@ class ConfoundedEffects:
     separated_by: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Cause:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Cause(InWords):
     """One explanation of the gap.
 
     Attributes
@@ -122,6 +124,11 @@ class Cause:
     is_identifiable: bool
     judged: Judged
     d_prime: tuple[float, ...] = ()
+
+    def __repr__(self) -> str:
+        """Return the probability, and each effect with its size and 90 % interval."""
+        sizes = [f"{one.effect}{one.place and ' ' + shown(one.place)} {one.interval}" for one in self.parameters]
+        return f"Cause({self.probability:.3f}: {', '.join(sizes or self.effects) or 'nothing acts'})"
 
     @property
     def certainty(self) -> Certainty:

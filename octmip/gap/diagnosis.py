@@ -37,6 +37,7 @@ from octmip.gap.odds import Odds
 from octmip.gap.preparation import inputs_of, within_budget
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.twins import Addition, AugmentedTwin, CachedTwin
+from octmip.input.messages import InWords
 from octmip.trees.nodes.tree import Node
 from octmip.twin import Effect, Twin
 
@@ -66,8 +67,8 @@ class StateEstimate:
     sd: Mapping[str, float]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Diagnosis:
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Diagnosis(InWords):
     """The result: what the campaign says about the twin.
 
     Attributes
@@ -102,6 +103,14 @@ class Diagnosis:
         what the readings say of the asset's own constants, where no run does.
     posterior
         all hypotheses.
+
+    Examples
+    --------
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "microstrain"}, loads=["force"])
+    >>> rows = np.random.default_rng(0).normal(0.0, 1.0, (20, 1))
+    >>> diagnosis = diagnose(gathered(twin, [Recorded(rows + 2.0 * f, {"force": f}) for f in (0, 50, 100)]), twin)
+    >>> diagnosis.is_sound, diagnosis.which[0]
+    (True, Cause(0.969: nothing acts))
     """
 
     where: Where
@@ -119,6 +128,16 @@ class Diagnosis:
     doubts: tuple[str, ...]
     ties: tuple[tuple[str, ...], ...]
     constants: tuple[Constant, ...]
+
+    def __repr__(self) -> str:
+        """Return the causes that hold 95 % of the probability on one line; all else has its own field."""
+        causes = ", ".join(map(repr, self.credible))
+        return f"Diagnosis({causes}; unknown: {self.unknown_probability:.3f})"
+
+    def __str__(self) -> str:
+        """Return the same, a line for each cause, and the notes."""
+        lines = [*map(repr, self.credible), f"something unknown: {self.unknown_probability:.3f}", *self.notes]
+        return "\n".join(lines)
 
     @property
     def ambiguity(self) -> tuple[ConfoundedEffects, ...]:
@@ -207,6 +226,14 @@ def diagnose(
     DataError
         nothing to compare (no repeats at all, a gauge that the twin does not know, a commissioning run that lacks a
         gauge or a known state).
+
+    Examples
+    --------
+    >>> made, gauges = np.array([9.0, 6.0, 3.0]), dict.fromkeys(["g1", "g2", "g3"], "microstrain")
+    >>> twin = function_twin(lambda own, loads: loads["force"] * made, gauges, loads=["force"])
+    >>> rows = lambda f: f * made + [0, 40, 0] + np.random.default_rng(f).normal(0, 1, (20, 3))  # g2 reads 40 too high
+    >>> diagnose(gathered(twin, [Recorded(rows(f), {"force": f}) for f in (0, 50, 100)]), twin)
+    Diagnosis(Cause(0.997: gauge_bias g2 40 microstrain (36.6 to 43.4)); unknown: 0.003)
     """
     checked_limits(load_limits)
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save

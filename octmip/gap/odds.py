@@ -44,6 +44,11 @@ class Differences:
     ------
     DataError
         no positive number.
+
+    Examples
+    --------
+    >>> Differences(own=0.02).own  # gauges of this model differ by 2 %, each by itself
+    0.02
     """
 
     common: float = 0.010
@@ -93,6 +98,11 @@ class Odds:
     ------
     DataError
         another number of entries, no probabilities, or a negative factor.
+
+    Examples
+    --------
+    >>> Odds(effects={"gauge_bias": 5.0, "temperature": 0.0}).wrong_run
+    0.02
     """
 
     count: tuple[float, ...] = (0.50, 0.33, 0.08, 0.01)

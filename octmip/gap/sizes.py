@@ -72,6 +72,11 @@ class Parameter:
     words: str
     named: EffectWords
 
+    @property
+    def interval(self) -> str:
+        """Size and 90 % interval in words, with the unit."""
+        return f"{self.size:.3g} {self.unit} ({self.low:.3g} to {self.high:.3g})"
+
 
 def parameters(head: Judged, same: Sequence[Judged]) -> tuple[Parameter, ...]:
     """Return the sizes of a hypothesis; `same` are the hypotheses that are the same cause, itself among them."""

@@ -43,6 +43,12 @@ class Addition:
         where it acts.
     size
         in the effect's unit.
+
+    Examples
+    --------
+    >>> warm = SimpleEffect("warm", "K", 10.0, lambda readings, size: readings - 12.0 * size)
+    >>> Addition(warm, "", 3.0).size
+    3.0
     """
 
     effect: Effect
@@ -62,6 +68,13 @@ class AugmentedTwin(TwinAround):
         what it lacked.
     difference
         of the asset before any effect, in a state and at a load (n_gauges,); None: 0.
+
+    Examples
+    --------
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "microstrain"}, loads=["force"])
+    >>> warm = SimpleEffect("warm", "K", 10.0, lambda readings, size: readings - 12.0 * size)
+    >>> AugmentedTwin(twin, (Addition(warm, "", 3.0),)).predict({}, 100.0)
+    array([164.])
     """
 
     twin: Twin
@@ -112,6 +125,12 @@ class CachedTwin(TwinAround):
         the model that is asked once for each state and load.
     units, channels
         (n_gauges,) unit and instrument of every reading; no units where the model does not say.
+
+    Examples
+    --------
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "microstrain"}, loads=["force"])
+    >>> CachedTwin(twin).predict({}, 3.0)
+    array([6.])
     """
 
     def __init__(self, twin: Twin) -> None:

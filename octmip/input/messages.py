@@ -2,11 +2,21 @@
 
 import itertools
 from collections.abc import Iterable
+from html import escape
 
 MOST_NAME = 1000
 """Characters of a name: a page, a drawing or a message must bear it."""
 SHOWN = 60
 """Characters of a value that a message shows."""
+
+
+class InWords:
+    """What says itself in a few lines, by `str`: a notebook shows them as they are."""
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        return f'<pre style="font-family:monospace">{escape(str(self))}</pre>'
 
 
 def shown(value: object) -> str:

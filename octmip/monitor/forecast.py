@@ -13,7 +13,7 @@ the steps in which damage really grows give true bands.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
 from octmip.monitor.belief import Belief
@@ -44,7 +44,7 @@ class Forecast:
         return self.quantile(0.5 - content / 2), self.quantile(0.5 + content / 2)
 
 
-def remaining_life(growth: Growth, belief: Belief, fails: Floats, n_steps: int) -> Forecast:
+def remaining_life(growth: Growth, belief: Belief, fails: ArrayLike, n_steps: int) -> Forecast:
     """Return the forecast of n_steps.
 
     Parameters
@@ -81,7 +81,7 @@ def remaining_life(growth: Growth, belief: Belief, fails: Floats, n_steps: int) 
     return Forecast(np.column_stack(alive))
 
 
-def checked_chances(values: Floats, name: str, n_states: int) -> Floats:
+def checked_chances(values: ArrayLike, name: str, n_states: int) -> Floats:
     """Return probabilities (n_states,), checked."""
     chances = np.asarray(values, dtype=np.float64)
     if chances.shape != (n_states,) or not ((chances >= 0.0) & (chances <= 1.0)).all():

@@ -25,14 +25,24 @@ QUICK_LIMITS = Limits(nodes=10)
 
 
 def by_reading(problem: Problem, budget: float) -> tuple[str, ...]:
-    """Return the sensors of highest mean absolute reading (of a sensor's features the highest)."""
+    """Return the sensors of highest mean absolute reading (of a sensor's features the highest).
+
+    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1, feature_names=["g1", "g2"])
+    >>> by_reading(problem, 1)
+    ('g2',)
+    """
     strength = np.zeros(len(problem.shape.sensors))
     np.maximum.at(strength, problem.shape.sensor_index, np.abs(problem.samples.features).mean(axis=0, dtype=np.float64))
     return _affordable(problem, np.argsort(-strength, kind="stable"), budget)
 
 
 def by_chance(problem: Problem, budget: float, rng: np.random.Generator) -> tuple[str, ...]:
-    """Return sensors in a random order while they can be paid for."""
+    """Return sensors in a random order while they can be paid for.
+
+    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1, feature_names=["g1", "g2"])
+    >>> len(by_chance(problem, 1, np.random.default_rng(0)))
+    1
+    """
     return _affordable(problem, rng.permutation(len(problem.shape.sensors)), budget)
 
 
@@ -41,6 +51,10 @@ def by_tree(problem: Problem, budget: float, *, seed: int = 0) -> tuple[str, ...
 
     Of equals the cheapest, then the first. It ends when no further sensor can be paid for. `seed` is that of the
     trial trees.
+
+    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1, feature_names=["g1", "g2"])
+    >>> by_tree(problem, 1)
+    ('g1',)
     """
     chosen: list[str] = []
     while candidates := _payable(problem, chosen, budget):

@@ -22,7 +22,12 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Imputation:
-    """Mean (n_features,) and covariance (n_features, n_features) of training readings."""
+    """Mean (n_features,) and covariance (n_features, n_features) of training readings.
+
+    >>> gauges = Imputation.fit(np.array([[1.0, 2.0], [2.0, 4.0], [3.0, 6.1]]))
+    >>> gauges.impute(np.array([[2.5, np.nan]])).round(1)
+    array([[2.5, 5.1]])
+    """
 
     mean: Floats
     covariance: Floats

@@ -38,6 +38,12 @@ class JointSolution:
         sets of sensors that were branched on; 0 without a proof.
     tolerance
         how far `bound` may stand from `objective` and still meet it: 0 for whole weights and costs.
+
+    Examples
+    --------
+    >>> problems = [Problem([[0, 5], [1, 5], [2, 7]], y, depth=1) for y in (["a", "b", "b"], ["c", "d", "c"])]
+    >>> shared_budget(problems, budget=1).objective
+    1.0
     """
 
     problems: tuple[Problem, ...]
@@ -90,6 +96,12 @@ def certify_joint(joint: JointSolution) -> tuple[Certificate, ...]:
     CertificateError
         a label's solution fails its own certificate, the trees together break the budget, or bound or stop are not
         what was recounted.
+
+    Examples
+    --------
+    >>> problems = [Problem([[0, 5], [1, 5], [2, 7]], y, depth=1) for y in (["a", "b", "b"], ["c", "d", "c"])]
+    >>> [one.errors for one in certify_joint(shared_budget(problems, budget=2))]
+    [0, 1]
     """
     certificates = tuple(map(certify, joint.problems, joint.solutions))
     limits = {problem.shape.sensor_limit for problem in joint.problems}

@@ -49,6 +49,13 @@ class Placement:
         the problem with the features of those sensors alone, or of all candidates where the tree chose.
     solution
         its tree, in the features of `problem`.
+
+    Examples
+    --------
+    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1, feature_names=["g1", "g2"])
+    >>> placement = place_sensors(problem)
+    >>> placement.cost, placement.solution.objective
+    (1.0, 0.0)
     """
 
     sensors: tuple[str, ...]
@@ -86,6 +93,12 @@ def place_sensors(
         a start names a sensor that is not there, or breaks the budget.
     SolverError
         a solver failed.
+
+    Examples
+    --------
+    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1, feature_names=["g1", "g2"])
+    >>> place_sensors(problem).sensors
+    ('g1',)
     """
     run = Run(method, limits, seed, n_jobs, options)
     known = [_placement_on(problem, sensors, run) for sensors in starts]
@@ -133,6 +146,12 @@ def placement_on(
         a sensor is not one of the problem's, or there is none.
     SolverError
         as `octmip.solve`.
+
+    Examples
+    --------
+    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1, feature_names=["g1", "g2"])
+    >>> placement_on(problem, ["g2"]).solution.objective
+    1.0
     """
     return _placement_on(problem, sensors, Run(method, limits, seed, n_jobs, options))
 
@@ -149,6 +168,12 @@ def problem_on(problem: Problem, sensors: Iterable[str]) -> Problem:
     ------
     ProblemError
         a sensor is not one of the problem's, or there is none.
+
+    Examples
+    --------
+    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1, feature_names=["g1", "g2"])
+    >>> problem_on(problem, ["g2"])
+    Problem(3 samples, 1 feature, 2 classes, depth=1, split='axis')
     """
     shape = problem.shape
     wanted = set(sensors)
@@ -206,6 +231,12 @@ def placement_frontier(
         costs differ and no values are given, or a value makes no problem.
     SolverError
         as `octmip.solve`.
+
+    Examples
+    --------
+    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1, feature_names=["g1", "g2"])
+    >>> [(point.value, point.solution.objective) for point in placement_frontier(problem)]
+    [(1, 0.0)]
     """
     counted = problem.replace(sensor_cost=None) if over == "number" else problem
     points = frontier_run(counted, "budget", values, Run(method, limits, seed, n_jobs, options))
@@ -224,6 +255,9 @@ def label_bound(problem: Problem) -> float:
     """Return a lower bound of every tree of the problem's depth, which predicts 2^depth classes at most.
 
     The least cost over the sets of so many classes when every sample gets the cheapest class of the set; 0 or more.
+
+    >>> label_bound(Problem([[0], [1], [2]], ["a", "b", "c"], depth=1))  # two leaves, three classes
+    1.0
     """
     n_leaves, n_classes = 2**problem.shape.depth, problem.samples.n_classes
     paid = [exact_sum(problem.samples.weights[problem.samples.codes == code]) for code in range(n_classes)]

@@ -73,6 +73,12 @@ def shared_budget(
         not fit.
     SolverError
         a solver failed.
+
+    Examples
+    --------
+    >>> problems = [Problem([[0, 5], [1, 5], [2, 7]], y, depth=1) for y in (["a", "b", "b"], ["c", "d", "c"])]
+    >>> shared_budget(problems, budget=1).sensors
+    ('x0',)
     """
     for problem in problems:
         refuse_unknown(problem, "shared_budget")

@@ -68,8 +68,7 @@ def solve(
     problem
         the problem; which methods answer it, `REGISTRY` says by its loss and split.
     method
-        see the table of the module. "auto" is "exact" for axis-aligned trees where it knows all that is asked, else
-        "search".
+        see the table of the module.
     limits
         wall seconds, relative gap, nodes, memory; reaching one is no error.
     incumbent
@@ -95,6 +94,11 @@ def solve(
         the method or an option is unknown, or the incumbent is no tree of this problem.
     SolverError
         the solver failed, or its solution fails its certificate.
+
+    Examples
+    --------
+    >>> solve(Problem([[0], [1], [2]], ["a", "b", "a"], depth=2)).tree
+    Split(0, 0.5, Leaf(0), Split(0, 1.5, Leaf(1), Leaf(0)))
     """
     return solve_run(problem, Run(method, limits, seed, n_jobs, options, progress), incumbent)
 

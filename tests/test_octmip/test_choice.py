@@ -87,7 +87,9 @@ def test_every_alpha_of_every_depth_has_its_step():
 
 
 def test_the_tree_that_generalises_is_chosen_and_fitted_to_all_samples():
-    choice = choose_tree(noisy_step(), method="exact", seed=1)
+    said: list[str] = []
+    choice = choose_tree(noisy_step(), method="exact", seed=1, stage=said.append)
+    assert said[-1] == "cross-validating, 6 of 6 fits done (all rows, each fold), 0 s left"
     rows = choice.table()
     assert [row["validation_cost"] for row in rows] == [step.validation_cost for step in choice.steps]
     assert [(row["depth"], row["alpha_low"]) for row in rows if row["chosen"]] == [
@@ -103,6 +105,7 @@ def test_the_tree_that_generalises_is_chosen_and_fitted_to_all_samples():
     assert certify(choice.problem, choice.solution).objective == choice.solution.objective
     assert choice.chosen.validation_cost == min(step.validation_cost for step in choice.steps)
     assert f"n_steps={len(choice.steps)}, n_paths={len(choice.paths)})" in repr(choice)
+    assert str(choice).endswith(f"\n\n{choice.tree}")
 
 
 def test_one_pair_of_training_and_validation_rows_chooses_as_bertsimas_and_dunn_do():

@@ -1,13 +1,10 @@
 """Forecast and planner: survival and costs by enumeration, lives in their bands, what an inspection is worth."""
 
-import doctest
 import itertools
 
 import numpy as np
 import pytest
 
-import octmip.monitor.forecast
-import octmip.monitor.planner
 from octmip.errors import ProblemError
 from octmip.monitor import (
     Action,
@@ -138,8 +135,3 @@ def test_a_plan_that_cannot_be_is_refused():
         Planner.of((Action("quick", 1.0, FAILS, GROWTH, np.eye(4)),), 1.0, 3)
     with pytest.raises(ProblemError, match=r"values from 0\.0 to 2\.0"):
         remaining_life(GROWTH, Belief(CHAIN, START), [0.0, 1.0, 2.0], 3)
-
-
-@pytest.mark.parametrize("module", [octmip.monitor.forecast, octmip.monitor.planner])
-def test_the_examples_of_the_docstrings_hold(module):
-    assert doctest.testmod(module).failed == 0

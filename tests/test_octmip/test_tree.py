@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from octmip import HyperplaneSplit, Leaf, Split, predict
+from octmip import HyperplaneSplit, Leaf, Split, ValueLeaf, predict
 from octmip.errors import TreeError
 from octmip.trees.nodes.reached import centred, without_empty_sides
 from octmip.trees.nodes.tree import (
@@ -36,8 +36,13 @@ def test_a_sample_on_the_hyperplane_goes_left_and_products_are_added_from_the_fi
     assert goes_left(split, np.array([[1.0, 1e16, -1e16]])).tolist() == [True]
 
 
-def test_a_tree_prints_its_rule():
-    assert str(Split(0, 2.5, Leaf(1), Leaf(0))) == "if x0 <= 2.5\n    class 1\nelse\n    class 0"
+def test_a_tree_prints_its_rule_in_notebooks_too_and_shows_the_call_that_makes_it():
+    tree = Split(0, 2.5, Leaf(1), ValueLeaf(3.0, (1,), (-2.0,)), missing="left")
+    assert str(tree) == "if x0 <= 2.5 or missing\n    class 1\nelse\n    3 - 2 x1"
+    assert tree._repr_html_().endswith(">if x0 &lt;= 2.5 or missing\n    class 1\nelse\n    3 - 2 x1</pre>")
+    for one in (tree, TREE):
+        assert eval(repr(one)) == one
+    assert repr(Split(0, 2.5, Leaf(0), Leaf(1))) == "Split(0, 2.5, Leaf(0), Leaf(1))"
 
 
 def test_leaves_are_numbered_from_the_left():

@@ -22,12 +22,13 @@ from octmip import (
 from octmip.formats.columns import Columns
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_file import TreeFile, record_tree
+from octmip.input.names import html_text
 from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.page import Masthead
 from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
 from octmip.interfaces.report.tree.evidence import gather, judged_by
-from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
+from octmip.interfaces.report.tree.words import Wording, compact, figure, listed, percent, question
 from octmip.trees.nodes.tree import leaf_index, leaves
 from octmip.trees.tradeoff.held_out import Samples
 from tests.oracles.hostile_names import hostile_names
@@ -90,6 +91,7 @@ def test_numbers_are_written_for_readers(value: float, words: str):
 
 
 def test_shares_and_lists_are_written_for_readers():
+    assert html_text(compact(4.72e11)) == "4.72\u00d710\u00b9\u00b9"
     assert [percent(share) for share in (0.0, 0.005167, 0.0811, 1.0)] == ["0 %", "0.52 %", "8.1 %", "100 %"]
     assert listed(["a", "b", "c", "d"], 3) == "a, b and 2 more"
 
@@ -120,6 +122,7 @@ def test_the_top_says_what_is_decided_how_well_whether_proven_and_what_greedy_lo
     assert re.search(r"The usual greedy tree \(CART\) makes \d+ more errors\.", xor_page)
     assert "Recounted for this page: each of the 200 samples of xor.csv" in xor_page
     assert "1 March 2026" in xor_page
+    assert re.search(r"; boosting of a hundred trees or more: \d+ of 50 samples wrong .*; forest of", xor_page)
     assert "\u2264 0.00" in xor_page.replace("\u2264 \u2212", "\u2264 ")
     assert "microstrain?" in xor_page
 
@@ -141,8 +144,14 @@ def test_the_confusion_has_the_true_class_in_rows():
     page = tree_page(
         record_tree(problem, Solution(stump, 2.0, 0.0, Stop.TIME, 0.0, 1, "search", "1", 0), "y"), "t.json"
     )
-    assert '<th scope="row">yes</th><td class="n">2</td><td class="n">1</td><td class="n">3</td>' in page
-    assert '<th scope="row">no</th><td class="n">1</td><td class="n">0</td><td class="n">1</td>' in page
+    cells = [re.findall(r"<t[dh][^>]*>([^<]*)", row) for row in re.findall(r"<tr>.*?</tr>", page)]
+    table = cells.index(["true class", "no", "yes", "all", "recall"])
+    assert cells[table + 1 : table + 4] == [
+        ["no", "1", "0", "1", "100 %"],
+        ["yes", "2", "1", "3", "33.3 %"],
+        ["precision", "33.3 %", "100 %", "", ""],
+    ]
+    assert "balanced accuracy 66.7 %" in page
 
 
 def test_a_leaf_alone_is_a_tree_too():

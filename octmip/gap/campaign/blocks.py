@@ -28,6 +28,11 @@ class Recorded:
         name of the test.
     state
         known values of the twin's state parameters; those that are left out are 0, those that are NaN unknown.
+
+    Examples
+    --------
+    >>> Recorded([[810.0, 300.0], [812.0, 299.0]], {"force": 1.0}).test
+    'test'
     """
 
     rows: Any
@@ -44,6 +49,12 @@ def gathered(twin: Twin, recorded: Sequence[Recorded]) -> Campaign:
     DataError
         a block of another width than the twin has readings, or without one of their names, a value that is no number,
         a load that is missing or unknown.
+
+    Examples
+    --------
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "microstrain"}, loads=["force"])
+    >>> gathered(twin, [Recorded([[2.1], [1.9]], {"force": 1.0}, test="monday")]).test
+    ('monday', 'monday')
     """
     names, parameters = loads_of(twin), state_parameters(twin)
     named = [by_name(one.rows, twin.gauges, f"test {one.test!r}") for one in recorded]

@@ -78,6 +78,12 @@ class Cell:
         which of the campaign's cells it is, or is half of.
     load_names
         names of the loads.
+
+    Examples
+    --------
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "microstrain"}, loads=["force"])
+    >>> [(cell.load, cell.mean.tolist()) for cell in gathered(twin, [Recorded([[3.0], [1.0]], {"force": 1.0})]).cells]
+    [(1.0, [2.0])]
     """
 
     test: str
@@ -156,6 +162,12 @@ class Campaign:
         (n_gauges,) of the readings; empty: all are microstrain.
     Derived:
         cells: the means, in the order of first appearance.
+
+    Examples
+    --------
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "microstrain"}, loads=["force"])
+    >>> gathered(twin, [Recorded([[2.1], [1.9]], {"force": 1.0})]).readings.tolist()
+    [[2.1], [1.9]]
     """
 
     gauges: tuple[str, ...]

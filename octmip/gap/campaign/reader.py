@@ -41,6 +41,15 @@ def read_campaign(path: PathLike | Table, twin: Twin) -> Campaign:
     DataError
         a missing column, a cell that is no number, a load left out, a test of two states, units a factor off or of
         another quantity, a turned sign, all readings equal; the message names the row and the column.
+
+    Examples
+    --------
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "microstrain"}, loads=["force"])
+    >>> import pandas as pd
+    >>> run = pd.DataFrame({"test": ["t", "t", "t"], "force": [1, 1, 2], "g1": [2.1, 1.9, 4.0]})
+    >>> run.to_csv("run.csv", index=False)
+    >>> read_campaign("run.csv", twin).load_factor.tolist()
+    [1.0, 1.0, 2.0]
     """
     parameters, names, units = state_parameters(twin), loads_of(twin), units_of(twin)
     table = read_columns(path, twin.gauges, names, parameters)

@@ -55,6 +55,11 @@ class Budget:
     ------
     DataError
         no positive number of calls, or no job.
+
+    Examples
+    --------
+    >>> Budget(calls=60, answers="answers.jsonl").calls
+    60
     """
 
     calls: int

@@ -67,6 +67,12 @@ class FunctionTwin:
         by name of each constant that no run says: the drawing's value less the nominal one, and its prior sd.
 
     The others are the card's, under the names of `octmip.twin.Twin`.
+
+    Examples
+    --------
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "microstrain"}, loads=["force"])
+    >>> twin.gauges, twin.units, twin.loads
+    (('g1',), ('microstrain',), ('force',))
     """
 
     def __init__(self, function: Function, card: Card, effects: Sequence[Effect] = ()) -> None:
@@ -239,6 +245,13 @@ def function_twin(
     ------
     DataError
         a name that comes twice, a range that is none.
+
+    Examples
+    --------
+    >>> twin = function_twin(lambda own, loads: [loads["force"] * own["stiffness"]], {"g1": "microstrain"},
+    ...     parameters={"stiffness": (2.0, 1.0, 3.0, "")}, loads=["force"])
+    >>> twin.predict({}, 10.0)
+    array([20.])
     """
     limits = dict.fromkeys(states, 1.0)
     card = Card(readings, loads, states, parameters or {}, sign, channels or {}, limits, linear, positions or {})

@@ -67,6 +67,11 @@ class SimpleEffect:
         of a campaign in which it may have a size of its own: each is a place, "test " and its name.
 
     The others are those of `octmip.twin.Effect`.
+
+    Examples
+    --------
+    >>> SimpleEffect("warm", "K", 10.0, lambda readings, size: readings - 12.0 * size).parameter
+    'size of the warm'
     """
 
     name: str

@@ -20,8 +20,10 @@ from octmip.trees.answer.solution import Progress, Solution
 from octmip.trees.nodes.tree_nodes import encode_tree
 from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff import Comparison, Score
+from octmip.trees.tradeoff.held_out import recall_precision
 
 INTERVAL = 0.1  # seconds between two progress lines
+MOST_CLASSES = 30  # of which a score has the table of confusions
 
 
 def print_json(content: Mapping[str, Any]) -> None:
@@ -168,8 +170,15 @@ def _score_text(problem: Problem, score: Score) -> str:
 
 
 def score_json(score: Score | None) -> dict[str, Any] | None:
-    """Return a score as a JSON object, None without one."""
-    return None if score is None else {"n_samples": score.n_samples, **score.measures, "cost": score.cost}
+    """Return a score as a JSON object, None without one; recall and precision in the order of the confusion."""
+    if score is None:
+        return None
+    found = {"n_samples": score.n_samples, **score.measures, "cost": score.cost}
+    if score.confusion is None or len(score.confusion) > MOST_CLASSES:
+        return found
+    recall, precision = ([finite_or_none(v) for v in values.tolist()] for values in recall_precision(score.confusion))
+    by_class = {"confusion": score.confusion.tolist(), "recall": recall, "precision": precision}
+    return found | {"balanced_accuracy": score.balanced_accuracy, **by_class}
 
 
 def comparison_json(found: Comparison) -> dict[str, Any]:

@@ -24,6 +24,7 @@ from octmip.trees.runs.registry import chosen_method, read_options, taken
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff import baselines_of, score, score_of
 
+BALANCED = "balanced accuracy"
 TIMES = tuple(f"{100 * gap:g} %" for gap in GAPS)
 
 
@@ -50,7 +51,8 @@ def _show(
         )
         return
     measures = problem.loss.measured
-    held = () if asked.held_out is None else tuple(f"{name} held out" for name in measures)
+    is_class = problem.loss.predicts == "class"
+    held = () if asked.held_out is None else tuple(f"{n} held out" for n in (*measures, *(BALANCED,) * is_class))
     print_notes(asked.notes)
     print(table_of(rows, (*measures, *held), measures))
     if baselines:
@@ -188,6 +190,7 @@ def _shown(row: Mapping[str, Any], measures: tuple[str, ...]) -> dict[str, Any]:
         **row,
         **{name: rounded(row.get(name)) for name in measures},
         **{f"{name} held out": rounded(held.get(name)) for name in measures},
+        f"{BALANCED} held out": rounded(held.get("balanced_accuracy")),
         **{f"to {gap}": None if reached.get(gap) is None else round(reached[gap], 3) for gap in TIMES},
         **{name: None if gap is None else round(100 * gap, 2) for name, gap in gaps.items()},
         "splits": row.get("n_splits"),

@@ -38,9 +38,11 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         "plot": Extra(("matplotlib",), "drawings"),
         "parquet": Extra(("pyarrow",), "tables in Parquet files"),
         "onnx": Extra(("onnx",), "export to ONNX"),
-        "recordings": Extra(
-            tuple(name for name, extra in EXTRA_OF.items() if extra == "recordings"), "files of loggers"
-        ),
+        "model": Extra(("pyomo",), "formulations as models of Pyomo"),
+        "recordings": Extra(tuple(name for name in EXTRA_OF if EXTRA_OF[name] == "recordings"), "files of loggers"),
+        "meshes": Extra(("meshio", "pyfe3d"), "structures from mesh files"),
+        "cholmod": Extra(("sksparse",), "sparse factors by CHOLMOD"),
+        "pictures": Extra(("pyvista",), "renderings of the wing"),
     }
 )
 
@@ -156,7 +158,7 @@ def _extras() -> list[Finding]:
     found = []
     for name, extra in EXTRAS.items():
         absent = [module for module in extra.modules if importlib.util.find_spec(module) is None]
-        cure = f"; without {', '.join(absent)} it is not there: pip install 'octmip[{name}]'" if absent else ""
+        cure = f"; without {', '.join(absent)} it is not there; install octmip[{name}]" if absent else ""
         found.append(Finding(f"octmip[{name}]", not absent, f"{extra.gives}{cure}", is_needed=False))
     return found
 

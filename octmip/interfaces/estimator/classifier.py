@@ -130,6 +130,12 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         (n_features_in_,) share of each column of X in the training cost that the splits save.
 
     A sample of weight 0 is left out of the training, as if it were not there.
+
+    Examples
+    --------
+    >>> tree = OptimalTreeClassifier(max_depth=2).fit([[0], [1], [2]], ["a", "b", "a"])
+    >>> tree.predict([[1.2]]), tree.is_optimal_
+    (array(['b'], dtype='<U1'), True)
     """
 
     costs: ArrayLike | None = None

@@ -72,6 +72,11 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
         what the tree was chosen from, as in `OptimalTreeClassifier`.
 
     A sample of weight 0 is left out of the training, as if it were not there.
+
+    Examples
+    --------
+    >>> OptimalTreeRegressor(max_depth=1).fit([[0], [1], [2]], [5.0, 5.0, 8.0]).predict([[1.8]])
+    array([8.])
     """
 
     loss: str | NumberLoss = "squared"

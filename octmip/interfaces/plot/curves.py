@@ -21,6 +21,10 @@ def frontier_figure(values: Sequence[float], objectives: Sequence[float], bounds
     ------
     ProblemError
         there is no point to draw.
+
+    Examples
+    --------
+    >>> frontier_figure([1, 2], [44.0, 22.0], [44.0, 20.0], "depth").savefig("frontier.svg")
     """
     if not values:
         raise ProblemError("the frontier has no points; give it at least one value")
@@ -55,6 +59,10 @@ def benchmark_figure(
         1, and so is one above 1.
 
     Source: Dolan & More (2002), Benchmarking optimization software with performance profiles.
+
+    Examples
+    --------
+    >>> benchmark_figure({"exact": [1.0]}, {"exact": [[(0.1, 0.5), (2.0, 0.0)]]}).savefig("profile.svg")
     """
     figure = Picture(figsize=(8.4, 3.4), layout="tight")
     left, right = figure.subplots(1, 2)
@@ -89,7 +97,12 @@ def _gap_at(seconds: NDArray[np.float64], run: Sequence[tuple[float, float]]) ->
 
 
 def choice_figure(choice: Choice) -> Figure:
-    """Return cross-validated cost against alpha, one line per depth, the choice and its standard error marked."""
+    """Return cross-validated cost against alpha, one line per depth, the choice and its standard error marked.
+
+    >>> from octmip.trees.tradeoff import choose_tree
+    >>> problem = Problem([[k] for k in range(20)], [k > 9 for k in range(20)], depth=1)
+    >>> choice_figure(choose_tree(problem)).savefig("choice.svg")
+    """
     figure = Picture(figsize=(5.6, 3.4), layout="tight")
     axes = figure.add_subplot()
     ends = [step.alpha_low for step in choice.steps if step.alpha_low > 0]

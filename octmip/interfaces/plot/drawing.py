@@ -68,6 +68,11 @@ def tree_figure(
     ------
     ProblemError
         the tree reads a feature or predicts a class that the problem lacks, or `sample` is not one sample.
+
+    Examples
+    --------
+    >>> problem = Problem([[0], [1], [2]], ["a", "b", "b"], depth=1)
+    >>> tree_figure(problem, solve(problem).tree, "the best tree").savefig("tree.svg")
     """
     check_names(problem, tree)
     way = None if sample is None else _way(problem, tree, np.asarray(sample, dtype=np.float64))
@@ -96,7 +101,12 @@ def counted_tree_figure(
     way: int | None = None,
     dark: bool = False,
 ) -> Figure:
-    """Return the figure of a tree whose samples are known as `counts`; arguments as those of `draw_tree`."""
+    """Return the figure of a tree whose samples are known as `counts`; arguments as those of `draw_tree`.
+
+    >>> from octmip.interfaces.report.tree.words import Wording
+    >>> words = Wording(("g1",), ("sound", "cracked"), None)
+    >>> counted_tree_figure(Leaf(1), words, np.array([[2, 5]])).savefig("leaf.svg")
+    """
     drawing = draw_tree(tree, replace(wording, written=in_font), counts, answer, seen, way)
     ground, height = DARK if dark else LIGHT, drawing.height + (TITLE if title else 0)
     beside = max(0.0, TITLE_LETTERS * text_width(title or "") - drawing.width) / 2

@@ -30,6 +30,11 @@ def partition_figure(
     ------
     ProblemError
         the tree reads other features than two, or predicts a class that the problem lacks.
+
+    Examples
+    --------
+    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1)
+    >>> partition_figure(problem, solve(problem).tree).savefig("plane.svg")
     """
     samples = problem.samples
     check_names(problem, tree)

@@ -16,6 +16,9 @@ def sensors_figure(found: SensorRoles) -> Figure:
     """Return two bars per sensor, both from the optimum: right, the price of losing it; left, of having to read it.
 
     The colour is the sensor's role; the shaded band is what counts as near-optimal.
+
+    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1)
+    >>> sensors_figure(sensor_roles(problem)).savefig("sensors.svg")
     """
     best = found.solution.objective
     figure = Picture(figsize=(6.4, 1.1 + 0.24 * len(found.roles)), layout="tight")

@@ -21,6 +21,7 @@ from octmip.monitor.export.legend import Legend, comment, quoted
 from octmip.monitor.export.questions import (
     Answer,
     Asked,
+    ClassNames,
     OwnTree,
     Part,
     SumAsked,
@@ -100,7 +101,7 @@ UNKNOWN = -1.0
 def c_source(
     tree: Node,
     columns: Columns | Sequence[str],
-    class_names: Sequence[Any] | None = None,
+    class_names: ClassNames = None,
     *,
     name: str = "octmip_predict",
     legend: Legend | None = None,
@@ -116,6 +117,12 @@ def c_source(
     ------
     TreeError
         `name` is no C name, the names do not cover the tree, or C has no such answer.
+
+    Examples
+    --------
+    >>> print(c_source(Split(0, 2.5, Leaf(0), Leaf(1)), ["g1"], ["sound", "damaged"], name="state"))
+    /* Answers one of "sound", "damaged"; ... */ ...
+    const char *state(const double *reading) ...
     """
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name) or name in KEYWORDS:
         raise TreeError(

@@ -25,6 +25,11 @@ class Legend:
         name of what is answered.
     readings
         units, of what is answered too, and loads.
+
+    Examples
+    --------
+    >>> print(c_source(Leaf(1), ["g1"], ["sound", "damaged"], legend=Legend("state")).splitlines()[0])
+    /* Answers "state": one of "sound", "damaged";
     """
 
     target: str = ""

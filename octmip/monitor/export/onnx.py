@@ -19,7 +19,17 @@ from octmip.formats.columns.written import words_of
 from octmip.input.cells import EXACT_INTEGERS
 from octmip.input.names import shown
 from octmip.monitor.export.legend import Legend
-from octmip.monitor.export.questions import Answer, Asked, NumberAsked, OwnTree, Part, Term, TextAsked, own_tree
+from octmip.monitor.export.questions import (
+    Answer,
+    Asked,
+    ClassNames,
+    NumberAsked,
+    OwnTree,
+    Part,
+    Term,
+    TextAsked,
+    own_tree,
+)
 from octmip.trees.nodes.tree import SIDES, Node, Side
 
 if TYPE_CHECKING:
@@ -33,7 +43,7 @@ OUTPUT = "prediction"
 def onnx_model(
     tree: Node,
     columns: Columns | Sequence[str],
-    class_names: Sequence[Any] | None = None,
+    class_names: ClassNames = None,
     *,
     legend: Legend | None = None,
 ) -> "onnx.ModelProto":
@@ -51,6 +61,12 @@ def onnx_model(
         the package onnx is not installed.
     TreeError
         the names do not cover the tree, or ONNX has no such name or answer.
+
+    Examples
+    --------
+    >>> model = onnx_model(Split(0, 2.5, Leaf(0), Leaf(1)), ["g1"], ["sound", "damaged"])
+    >>> [one.name for one in model.graph.output]
+    ['prediction']
     """
     own = own_tree(tree, columns, class_names)
     _check(own)

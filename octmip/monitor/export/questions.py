@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns, Feature, FeatureNames
@@ -102,6 +103,8 @@ class Fork:
 
 
 Part = Answer | Fork
+ClassNames = Sequence[Any] | NDArray[Any] | None
+"""The classes by their index, as an estimator's `classes_`; None of numbers, or for the indices themselves."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,7 +137,7 @@ class OwnTree:
         return isinstance(next(iter(self.answers), 0), str)
 
 
-def own_tree(tree: Node, columns: Columns | Sequence[str], class_names: Sequence[Any] | None = None) -> OwnTree:
+def own_tree(tree: Node, columns: Columns | Sequence[str], class_names: ClassNames = None) -> OwnTree:
     """Return a tree over the columns of a table.
 
     Parameters
@@ -170,7 +173,7 @@ def own_tree(tree: Node, columns: Columns | Sequence[str], class_names: Sequence
     return OwnTree(writer.part(tree), columns.columns, tuple(used), answers, class_names is None and not is_number)
 
 
-def _class_values(tree: Node, class_names: Sequence[Any] | None) -> tuple[Any, ...]:
+def _class_values(tree: Node, class_names: ClassNames) -> tuple[Any, ...]:
     """Return class names as plain Python has them: texts, numbers or Booleans; without names their indices."""
     label = max(leaf.label for leaf in leaves(tree))
     if class_names is None:

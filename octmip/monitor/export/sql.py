@@ -21,6 +21,7 @@ from octmip.monitor.export.legend import Legend, comment, quoted
 from octmip.monitor.export.questions import (
     Answer,
     Asked,
+    ClassNames,
     NumberAsked,
     OwnTree,
     Part,
@@ -42,7 +43,7 @@ INT32, INT64 = 2**31, 2**63
 def sql_expression(
     tree: Node,
     columns: Columns | Sequence[str],
-    class_names: Sequence[Any] | None = None,
+    class_names: ClassNames = None,
     *,
     table: str = "",
     legend: Legend | None = None,
@@ -59,6 +60,12 @@ def sql_expression(
         the names do not cover the tree, or it reads or answers what no expression can hold in all databases: a name or
         text with a backslash, a duration, a number that is written with a sign or with marks between its digits, a date
         that is neither one of the database nor ISO text.
+
+    Examples
+    --------
+    >>> print(sql_expression(Split(0, 2.5, Leaf(0), Leaf(1)), ["g1"], ["sound", "damaged"]))
+    /* Answers one of "sound", "damaged"; ... */
+    CASE ... THEN NULL ... <= ... THEN 'sound' ELSE 'damaged' END
     """
     own = own_tree(tree, columns, class_names)
     _check_names(own)

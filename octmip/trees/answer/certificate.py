@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, ProblemError
-from octmip.input.messages import several
+from octmip.input.messages import InWords, several
 from octmip.trees.answer.scope import scope_of
 from octmip.trees.answer.solution import Solution, Stop, is_tolerable
 from octmip.trees.nodes.order import disorder
@@ -33,7 +33,7 @@ from octmip.trees.question.problem_values import words_of
 
 
 @dataclass(frozen=True, slots=True)
-class Certificate:
+class Certificate(InWords):
     """The figures of a tree, recounted sample by sample from the tree alone.
 
     Attributes
@@ -55,6 +55,14 @@ class Certificate:
         claim, or its proof log's (`octmip certify --proof`).
     scope
         the trees that the bound is about, in words: those of the problem with all its limits, or fewer.
+
+    Examples
+    --------
+    >>> problem = Problem([[0], [1], [2]], ["a", "b", "a"], depth=1)
+    >>> print(certify(problem, solve(problem)))
+    recounted: objective 1, errors 1
+    depth 0, splits 0; sensors: none
+    bound 1, gap 0 %, of trees of depth 1 or less
     """
 
     objective: float
@@ -67,6 +75,13 @@ class Certificate:
     bound: float
     gap: float
     scope: str
+
+    def __str__(self) -> str:
+        """Return the figures in three lines: what was recounted, the tree, and what the bound is about."""
+        measured = ", ".join(f"{name} {value:.6g}" for name, value in self.measures.items())
+        tree = f"depth {self.depth}, splits {self.n_splits}; sensors: {several(self.sensors) or 'none'}"
+        bound = f"bound {self.bound:.6g}, gap {100 * self.gap:.3g} %, of {self.scope}"
+        return f"recounted: objective {self.objective:.6g}, {measured}\n{tree}\n{bound}"
 
     @property
     def errors(self) -> int:
@@ -87,6 +102,12 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
     ------
     CertificateError
         the tree breaks a limit of the problem, or objective, bound or stop are not what they say.
+
+    Examples
+    --------
+    >>> problem = Problem([[0], [1], [2]], ["a", "b", "a"], depth=2)
+    >>> certify(problem, solve(problem)).errors
+    0
     """
     tree = solution.tree
     if tree is None:

@@ -4,16 +4,21 @@ import enum
 import math
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from numbers import Real
 
 from octmip.errors import ProblemError, SolverError
+from octmip.input.messages import InWords
 from octmip.trees.answer.interruption import is_heard
 from octmip.trees.nodes.tree import Node, depth, first_lines, n_splits
 
 
 class Stop(enum.StrEnum):
-    """Reason for which a solver stopped."""
+    """Reason for which a solver stopped.
+
+    >>> Stop.TIME == "time"
+    True
+    """
 
     OPTIMAL = "optimal"  # the bound meets the objective
     FINISHED = "finished"  # a heuristic did all it had set out to do; no proof
@@ -39,6 +44,12 @@ class Limits:
         search nodes.
     memory
         bytes that the solver's own tables may take.
+
+    Examples
+    --------
+    >>> problem = Problem([[0], [1], [2]], ["a", "b", "a"], depth=2)
+    >>> solve(problem, limits=Limits(seconds=60.0)).stop
+    <Stop.OPTIMAL: 'optimal'>
     """
 
     seconds: float = math.inf
@@ -63,7 +74,11 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """A solver's state while it runs: seconds since its start, best objective, proven bound, nodes."""
+    """A solver's state while it runs: seconds since its start, best objective, proven bound, nodes.
+
+    >>> Progress(seconds=2.0, objective=15.0, bound=12.0, n_nodes=300).bound
+    12.0
+    """
 
     seconds: float
     objective: float
@@ -106,8 +121,8 @@ def closing_tolerance(objective: float, bound: float, least_saving: float, round
     return distance if is_tolerable(hidden, least_saving) else -1.0
 
 
-@dataclass(frozen=True, slots=True)
-class Solution:
+@dataclass(frozen=True, slots=True, repr=False)
+class Solution(InWords):
     """A tree with its objective and the bound below which no tree of the problem lies.
 
     Attributes
@@ -133,6 +148,12 @@ class Solution:
         always below the problem's `least_saving` (a solver that cannot keep that says `Stop.NUMERICS`, not optimal).
     details
         what else the solver has to say (ties broken, strictness, model size); JSON values only.
+
+    Examples
+    --------
+    >>> solution = solve(Problem([[0], [1], [2]], ["a", "b", "a"], depth=1))
+    >>> solution.objective, solution.bound, solution.is_optimal
+    (1.0, 1.0, True)
     """
 
     tree: Node | None
@@ -167,9 +188,17 @@ class Solution:
 
     def __str__(self) -> str:
         """Return objective, bound and proof, the solver, and the tree, features and classes by their index."""
+        return "\n".join(self._said() if self.tree is None else (*self._said(), "", *first_lines(self.tree)))
+
+    def __repr__(self) -> str:
+        """Return objective, bound and proof, the size of the tree and the solver on one line."""
+        return f"Solution({'; '.join(self._said())})"
+
+    def _said(self) -> tuple[str, str]:
+        """Return what was proven, and by whom, a line each."""
         found = f"{self.solver} {self.version}, {self.seconds:.3g} s, stop: {self.stop}"
         if self.tree is None:
-            return f"no tree found, bound {self.bound:.6g}\n{found}"
+            return f"no tree found, bound {self.bound:.6g}", found
         proof = "proven optimal" if self.meets_bound else f"gap {100 * self.gap:.3g} %"
         if math.isinf(self.bound):
             proof = "no proof"
@@ -177,13 +206,7 @@ class Solution:
             proof += f" among {self.scope}"
         splits = f"{n_splits(self.tree)} split" + ("" if n_splits(self.tree) == 1 else "s")
         head = f"objective {self.objective:.6g}, bound {self.bound:.6g}: {proof}"
-        return "\n".join([head, f"depth {depth(self.tree)}, {splits}; {found}", "", *first_lines(self.tree)])
-
-    def __repr__(self) -> str:
-        """Return all on one line, a large tree by its size and the details by their names."""
-        own = {item.name: repr(getattr(self, item.name)) for item in fields(self) if item.name != "details"}
-        own["details"] = f"<{', '.join(self.details) or 'none'}>"
-        return f"Solution({', '.join(f'{name}={text}' for name, text in own.items())})"
+        return head, f"depth {depth(self.tree)}, {splits}; {found}"
 
     @property
     def gap(self) -> float:

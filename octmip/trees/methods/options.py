@@ -43,6 +43,11 @@ class Study(Opened):
     ----------
     path
         of the file.
+
+    Examples
+    --------
+    >>> Options(checkpoint=Study("study.kept")).checkpoint.path
+    'study.kept'
     """
 
     path: str | os.PathLike[str]
@@ -143,6 +148,11 @@ class Options:
     ------
     ProblemError
         a value is none of those that its option may have.
+
+    Examples
+    --------
+    >>> Options(checkpoint="found.kept").given()
+    {'checkpoint': 'found.kept'}
     """
 
     checkpoint: Any = field(
@@ -262,7 +272,12 @@ NO_OPTIONS = Options()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchOptions(Options):
-    """Options of the local search."""
+    """Options of the local search.
+
+    >>> problem = Problem([[0], [1], [2]], ["a", "b", "a"], depth=2)
+    >>> solve(problem, "search", options=SearchOptions(restarts=3)).tree
+    Split(0, 0.5, Leaf(0), Split(0, 1.5, Leaf(1), Leaf(0)))
+    """
 
     restarts: int | None = field(
         default=None,
@@ -278,7 +293,12 @@ class SearchOptions(Options):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExactOptions(Options):
-    """Options of the exact cores."""
+    """Options of the exact cores.
+
+    >>> problem = Problem([[0], [1], [2]], ["a", "b", "a"], depth=2)
+    >>> solve(problem, options=ExactOptions(proof="tree.proof")).bound
+    0.0
+    """
 
     proof: str | Path | None = field(
         default=None,
@@ -302,7 +322,11 @@ class ExactOptions(Options):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BendersOptions(Options):
-    """Options of the methods that HiGHS proves for."""
+    """Options of the methods that HiGHS proves for.
+
+    >>> BendersOptions(start="search").given()
+    {'start': 'search'}
+    """
 
     start: str = field(
         default="cart", metadata=_means(STARTS_OF_HIGHS, "tree to start from: cart, or search for one of local search")
@@ -311,7 +335,11 @@ class BendersOptions(Options):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MipOptions(BendersOptions):
-    """Options of the mixed-integer models."""
+    """Options of the mixed-integer models.
+
+    >>> MipOptions(write="model.mps").outputs
+    ('write',)
+    """
 
     highs: Mapping[str, bool | int | float | str] | None = field(
         default=None, metadata=_means(OF_HIGHS, "options of HiGHS itself, KEY=VALUE,KEY=VALUE")

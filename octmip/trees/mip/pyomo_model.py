@@ -83,9 +83,10 @@ def model(
     Examples
     --------
     >>> import pyomo.environ as pyo
-    >>> M = model(problem, "oct")
+    >>> M = model(Problem([[0, 5], [1, 4]], ["a", "b"], depth=1), "oct")
     >>> M.root = pyo.Constraint(expr=M.a[0, 1] == 1)  # the root reads feature 0
-    >>> solution = solution_of(M, pyo.SolverFactory("appsi_highs").solve(M))
+    >>> solution_of(M, pyo.SolverFactory("appsi_highs").solve(M)).tree
+    Split(0, 0.5, Leaf(0), Leaf(1))
     """
     made = model_of(problem, method, start=start, mu=mu)
     return _concrete_model(made)
@@ -121,6 +122,13 @@ def solution_of(
         the model, or break what was added to it; the bound is false.
     ProblemError
         the model is none of `model`, has another objective, or holds what cannot be evaluated.
+
+    Examples
+    --------
+    >>> import pyomo.environ as pyo
+    >>> M = model(Problem([[0], [1]], ["a", "b"], depth=1), "flow")
+    >>> solution_of(M, pyo.SolverFactory("appsi_highs").solve(M)).objective
+    0.0
     """
     made = getattr(model, MADE_OF, None)
     if not isinstance(made, Model):

@@ -75,6 +75,11 @@ def near_optimal(
         many digits.
     SolverError
         there are more than 2**127 trees.
+
+    Examples
+    --------
+    >>> near_optimal(Problem([[0, 0], [1, 1]], ["a", "b"], depth=1), within=0).trees
+    2
     """
     started = time.perf_counter()
     _check(problem, within, relative)

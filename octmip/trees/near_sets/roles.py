@@ -144,6 +144,12 @@ def sensor_roles(
     ------
     ProblemError
         the splits are hyperplanes, `within` is no number of 0 or more, or costs span too many digits.
+
+    Examples
+    --------
+    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1, feature_names=["g1", "g2"])
+    >>> [(one.sensor, str(one.role)) for one in sensor_roles(problem).roles]
+    [('g1', 'needed'), ('g2', 'useless')]
     """
     refuse_unknown(problem, "sensor_roles")
     if problem.shape.split != "axis":

@@ -32,6 +32,11 @@ def predict(tree: Node, features: Any) -> NDArray[np.int64]:
         a reading that a split asks for is missing (NaN), and it has no side for it; or its column is not there.
     DataError
         some are no numbers.
+
+    Examples
+    --------
+    >>> predict(Split(0, 2.5, Leaf(0), Leaf(1), missing="right"), [[2.0], [float("nan")]])
+    array([0, 1])
     """
     labels = np.array([leaf.label for leaf in leaves(tree)], dtype=np.int64)
     return labels[reached_leaves(tree, _array(features))]
@@ -48,6 +53,11 @@ def predict_values(tree: Node, features: Any) -> NDArray[np.float64]:
         a leaf predicts a class, not a number; a prediction is beyond float64; or a reading is missing.
     DataError
         some are no numbers.
+
+    Examples
+    --------
+    >>> predict_values(Split(0, 2.5, ValueLeaf(10.0), ValueLeaf(20.0)), [[2.0], [3.0]])
+    array([10., 20.])
     """
     features = _array(features)
     return reference.predict_values(tree, features, reached_leaves(tree, features))

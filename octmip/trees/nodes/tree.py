@@ -8,9 +8,9 @@ from the first feature to the last. Otherwise it goes right. Five values of one 
     threshold            2.5
     goes to    L    L    L    R    R
 
-Missing readings (NaN) go to the side that the split names, `missing`: "left", "right", or None where training knew of
-none; there they are refused. A sample lacks a hyperplane's reading when it lacks any of its features. A `Split`
-without a threshold asks "is it missing?" alone: every reading goes to the other side.
+Missing readings (NaN) go to the side that the split names, `missing`; None, where training knew of none, refuses them.
+A sample lacks a hyperplane's reading when it lacks any of its features. A `Split` without a threshold asks "is it
+missing?" alone: every reading goes to the other side.
 
     x          0.5  NaN  2.5  3.5  NaN
     missing            left
@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TreeError
+from octmip.input.messages import InWords
 from octmip.trees.nodes.digits import exact
 
 Side = Literal["left", "right"]
@@ -35,9 +36,30 @@ MOST_LEAVES, MOST_LINES = 16, 50
 """Of a tree as Python shows it: leaves that are spelled out, and lines."""
 
 
-@dataclass(frozen=True, slots=True)
-class Leaf:
-    """A prediction: `label` is the index of the class in `Samples.class_names`."""
+class _Called(InWords):
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        """Return the call that makes the node; of a large tree how many leaves it has in their place."""
+        n_leaves = len(leaves(self))  # type: ignore[arg-type]
+        if n_leaves > MOST_LEAVES:
+            return f"{type(self).__name__}(n_leaves={n_leaves})"
+        given = [one for one in fields(self) if one.init and getattr(self, one.name) != one.default]  # type: ignore[arg-type]
+        words = [f"{one.name}=" * bool(one.kw_only) + repr(getattr(self, one.name)) for one in given]
+        return f"{type(self).__name__}({', '.join(words)})"
+
+    def __str__(self) -> str:
+        """Return the tree as indented lines, as many as a screen holds; features and classes by their index."""
+        return "\n".join(first_lines(self))  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Leaf(_Called):
+    """A prediction: `label` is the index of the class in `Samples.class_names`.
+
+    >>> print(Leaf(1))
+    class 1
+    """
 
     label: int
 
@@ -46,11 +68,15 @@ class Leaf:
             raise TreeError(f"leaf label is {self.label}; expected the index of a class, 0 or more")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class ValueLeaf(Leaf):
-    """A predicted number, of a regression tree: `value`, plus ``coefficients @ x[features]`` in a linear leaf."""
+    """A predicted number, of a regression tree: `value`, plus ``coefficients @ x[features]`` in a linear leaf.
 
-    label: int = field(default=0, init=False, repr=False)
+    >>> print(ValueLeaf(20.0, features=(3,), coefficients=(-0.5,)))
+    20 - 0.5 x3
+    """
+
+    label: int = field(default=0, init=False)
     value: float
     features: tuple[int, ...] = ()
     coefficients: tuple[float, ...] = ()
@@ -69,9 +95,13 @@ class ValueLeaf(Leaf):
             )
 
 
-@dataclass(frozen=True, slots=True)
-class Split:
-    """A threshold on one feature: left when ``x[feature] <= threshold``; without one, "is the reading missing?"."""
+@dataclass(frozen=True, slots=True, repr=False)
+class Split(_Called):
+    """A threshold on one feature: left when ``x[feature] <= threshold``; without one, "is the reading missing?".
+
+    >>> predict(Split(0, 2.5, Leaf(0), Leaf(1)), [[2.5], [3.0]])
+    array([0, 1])
+    """
 
     feature: int
     threshold: float | None
@@ -96,18 +126,14 @@ class Split:
         """The one feature, as a tuple, so that both kinds of split read alike."""
         return (self.feature,)
 
-    def __repr__(self) -> str:
-        """Return the call that makes the tree; of a large one how many leaves it has in their place."""
-        return _called(self)
 
-    def __str__(self) -> str:
-        """Return the tree as indented lines, as many as a screen holds; features and classes by their index."""
-        return "\n".join(first_lines(self))
+@dataclass(frozen=True, slots=True, repr=False)
+class HyperplaneSplit(_Called):
+    """A hyperplane over `features` (ascending, none twice): left when ``coefficients @ x[features] <= offset``.
 
-
-@dataclass(frozen=True, slots=True)
-class HyperplaneSplit:
-    """A hyperplane over `features` (ascending, none twice): left when ``coefficients @ x[features] <= offset``."""
+    >>> predict(HyperplaneSplit((0, 1), (1.0, -1.0), 0.0, Leaf(0), Leaf(1)), [[1, 2], [2, 1]])
+    array([0, 1])
+    """
 
     features: tuple[int, ...]
     coefficients: tuple[float, ...]
@@ -130,14 +156,6 @@ class HyperplaneSplit:
                 f"hyperplane over features {self.features} has coefficients {self.coefficients} and offset "
                 f"{self.offset}; expected finite numbers, no coefficient zero"
             )
-
-    def __repr__(self) -> str:
-        """Return the call that makes the tree; of a large one how many leaves it has in their place."""
-        return _called(self)
-
-    def __str__(self) -> str:
-        """Return the tree as indented lines, as many as a screen holds; features and classes by their index."""
-        return "\n".join(first_lines(self))
 
 
 Node = Leaf | Split | HyperplaneSplit
@@ -383,11 +401,3 @@ def first_lines(tree: Node) -> list[str]:
     shown = sum(not line.strip().startswith(("if ", "else")) for line in first)
     more = f"... {len(leaves(tree)) - shown} more leaves; export_text() of an estimator has all, and octmip report"
     return [*first, more]
-
-
-def _called(split: Split | HyperplaneSplit) -> str:
-    n_leaves = len(leaves(split))
-    names = [item.name for item in fields(split) if n_leaves <= MOST_LEAVES or item.name not in SIDES]
-    own = {name: repr(getattr(split, name)) for name in names}
-    size = {} if n_leaves <= MOST_LEAVES else {"n_leaves": n_leaves}
-    return f"{type(split).__name__}({', '.join(f'{name}={text}' for name, text in (own | size).items())})"

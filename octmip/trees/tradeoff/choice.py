@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
+from octmip.input.messages import InWords
 from octmip.trees.answer.solution import Limits, Solution, Stop
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.nodes.tree import Node, depth
@@ -60,7 +61,7 @@ SHARE_OF_PATHS = 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Choice:
+class Choice(InWords):
     """The tree that cross-validation chooses, and everything that it was chosen from.
 
     Attributes
@@ -101,6 +102,11 @@ class Choice:
         found = {"kind": self.chosen.kind, "depth": shape.depth, "leaf_penalty": shape.leaf_penalty}
         found |= {"rule": self.rule, "n_steps": len(self.steps), "n_paths": len(self.paths)}
         return f"Choice({', '.join(f'{name}={value!r}' for name, value in found.items())})"
+
+    def __str__(self) -> str:
+        """Return what was chosen, the cost to expect on new rows, and the tree."""
+        rows = "" if self.expectation is None else self.expectation.words()
+        return f"{self!r}\n{rows}\n\n{self.tree}"
 
     @property
     def tree(self) -> Node:
@@ -342,6 +348,7 @@ def _traced(
     from joblib import Parallel, delayed
 
     found: list[list[PenaltyPath]] = []
+    start = time.perf_counter()
     try:
         # Problems are asked for one after the other, each when a worker is free.
         parallel = Parallel(n_jobs=n_jobs, return_as="generator", pre_dispatch="n_jobs", batch_size=1)
@@ -349,7 +356,8 @@ def _traced(
             found.append([path for path in paths if not path.is_interrupted])
             if len(found[-1]) < len(paths):
                 return found, True
-            stage(f"cross-validating, {len(found)} of {n_problems} done (all rows, then all but each fold)")
+            left = (time.perf_counter() - start) * (n_problems / len(found) - 1)
+            stage(f"cross-validating, {len(found)} of {n_problems} fits done (all rows, each fold), {left:.0f} s left")
     except KeyboardInterrupt:
         return found, True
     return found, False

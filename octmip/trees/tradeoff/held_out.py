@@ -5,7 +5,7 @@ promises to keep: a tree file names share and seed, and its training rows are fo
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -73,11 +73,20 @@ class Samples:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """What a tree loses on some samples: what it is judged by (`Loss.measures`), and the cost (no leaf penalty)."""
+    """What a tree loses on some samples.
+
+    Attributes
+    ----------
+    n_samples, measures, cost
+        their number, what the tree is judged by (`Loss.measures`), and the cost (no leaf penalty).
+    confusion
+        (n_classes, n_classes) samples by true and predicted class; None of a tree of numbers.
+    """
 
     n_samples: int
     measures: Mapping[str, float]
     cost: float
+    confusion: NDArray[np.int64] | None = field(default=None, compare=False, repr=False)
 
     @property
     def errors(self) -> int:
@@ -88,6 +97,11 @@ class Score:
     def error_rate(self) -> float:
         """Share of the samples that are wrong."""
         return self.errors / self.n_samples
+
+    @property
+    def balanced_accuracy(self) -> float | None:
+        """Mean recall of the classes that have samples; None of a tree of numbers."""
+        return None if self.confusion is None else balanced_accuracy(self.confusion)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +132,28 @@ def score_of(
     """Return what any predictor of codes loses on samples; on those of the problem if none are given."""
     samples = samples or Samples(problem.samples.features, problem.samples.codes, problem.samples.weights)
     judged = samples.weights, samples.codes, predictor(samples.features)
-    return Score(len(samples.codes), problem.loss.measures(*judged), problem.loss.cost(*judged, Fraction(0)))
+    measures, cost = problem.loss.measures(*judged), problem.loss.cost(*judged, Fraction(0))
+    confusion = confusion_of(*judged[1:], problem.samples.n_classes) if problem.loss.predicts == "class" else None
+    return Score(len(samples.codes), measures, cost, confusion)
+
+
+def confusion_of(codes: NDArray[Any], predicted: NDArray[Any], n_classes: int) -> NDArray[np.int64]:
+    """Return samples by true and predicted class, shape (n_classes, n_classes)."""
+    counts = np.zeros((n_classes, n_classes), dtype=np.int64)
+    np.add.at(counts, (codes, predicted), 1)
+    return counts
+
+
+def recall_precision(confusion: NDArray[np.int64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return of each class the share of its samples that are found, and of its answers that are right; NaN of none."""
+    right = np.diag(confusion)
+    with np.errstate(invalid="ignore"):
+        return right / confusion.sum(axis=1), right / confusion.sum(axis=0)
+
+
+def balanced_accuracy(confusion: NDArray[np.int64]) -> float:
+    """Return the mean recall of the classes that have samples."""
+    return float(np.nanmean(recall_precision(confusion)[0]))
 
 
 def beside_cart(problem: Problem, tree: Node, held_out: Samples | None = None, seed: int = 0) -> Comparison:

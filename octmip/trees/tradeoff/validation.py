@@ -64,6 +64,9 @@ class Expected:
         low, high = np.percentile(draws, PERCENTILES)
         return cls(float(draws.mean()), float(low), float(high))
 
+    def __str__(self) -> str:
+        return f"{self.mean:.4g} ({self.low:.4g} to {self.high:.4g})"
+
     def to_json(self) -> dict[str, float]:
         """Return the three numbers."""
         return {"mean": self.mean, "low": self.low, "high": self.high}
@@ -79,6 +82,11 @@ class Expectation:
     tree: Expected
     cart: Expected | None
     difference: Expected | None
+
+    def words(self) -> str:
+        """Return what to expect on one line, with intervals of 95 %."""
+        beside = "" if self.cart is None else f", of CART {self.cart}"
+        return f"cost per unit of weight on new rows {self.tree}{beside}"
 
     def to_json(self) -> dict[str, Any]:
         """Return the object that files and `--json` hold."""

@@ -97,7 +97,7 @@ def test_doctor_names_what_is_absent_and_what_is_broken(run, monkeypatch):
     monkeypatch.setattr(doctor.importlib.util, "find_spec", lambda name: None if name == "pyarrow" else object())
     code, out, _ = run("doctor")
     assert code == 0
-    assert "tables in Parquet files; without pyarrow it is not there: pip install 'octmip[parquet]'" in out
+    assert "tables in Parquet files; without pyarrow it is not there; install octmip[parquet]" in out
 
     def broken(*_, **__):
         raise OSError("no such symbol")

@@ -110,7 +110,11 @@ def test_a_share_is_held_out_and_counted_again_by_certify(survey, run, tmp_path)
     assert "CART" in out
     answer = json.loads(run("solve", survey, *SOLVE, "--holdout", 0.25, "--seed", 5, "--json")[1])
     claim = read_tree_file(tree).held_out
-    assert answer["held_out"] == {"n_samples": claim.n_samples, **claim.measures, "cost": claim.cost}
+    held, counts = answer["held_out"], np.array(answer["held_out"]["confusion"])
+    assert held.items() >= {"n_samples": claim.n_samples, **claim.measures, "cost": claim.cost}.items()
+    assert held["recall"] == (np.diag(counts) / counts.sum(axis=1)).tolist()
+    assert held["precision"] == (np.diag(counts) / counts.sum(axis=0)).tolist()
+    assert held["balanced_accuracy"] == pytest.approx(np.mean(held["recall"]))
     assert answer["cart"]["training"]["n_samples"] == 60
     code, out, _ = run("certify", tree, survey)
     assert code == 0

@@ -1,5 +1,6 @@
 """What the data say about a tree beyond its file: a recount, the greedy tree, lower depths, samples held out."""
 
+import contextlib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -14,11 +15,15 @@ from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.nodes.tree import Node, depth
 from octmip.trees.question.problem import Problem
 from octmip.trees.runs.registry import Run
+from octmip.trees.tradeoff.baselines import baselines_of
 from octmip.trees.tradeoff.edits import EditPrice, tree_edits
 from octmip.trees.tradeoff.frontier import frontier_run
-from octmip.trees.tradeoff.held_out import Samples
+from octmip.trees.tradeoff.held_out import Samples, Score, score_of
 
 SHARE_OF_EDITS = 0.1
+ENSEMBLES = ("boosting", "forest")
+MOST_VALUES = 1_000_000
+"""Readings up to which both are trained within seconds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,6 +89,9 @@ class Evidence:
     table
         the rows as they stand in the user's table, its index their place there from 0; None where the features are all
         there is.
+    ensembles
+        by name what a forest and boosting lose on the samples held out: the price of a tree that can be read; empty
+        where that was left out.
     edits
         by path what other columns at the first splits cost; empty where that was left out, or no search knows.
     """
@@ -97,6 +105,7 @@ class Evidence:
     held_out: HeldOut | None = None
     proof: ProofReport | None = None
     table: pd.DataFrame | None = None
+    ensembles: Mapping[str, Score] = field(default_factory=dict)
     edits: Mapping[str, tuple[EditPrice, ...]] = field(default_factory=dict)
 
 
@@ -152,6 +161,20 @@ def _levels(file: TreeFile, problem: Problem) -> int:
 
 
 def judged_by(evidence: Evidence, file: TreeFile, samples: Samples, source: str) -> Evidence:
-    """Return the evidence with samples that the page's own trees have not seen."""
+    """Return the evidence with samples that the page's own trees have not seen, and what ensembles lose there."""
     assert evidence.greedy.tree is not None
-    return replace(evidence, held_out=HeldOut(source, samples, file.tree, evidence.greedy.tree))
+    held_out = HeldOut(source, samples, file.tree, evidence.greedy.tree)
+    return replace(evidence, held_out=held_out, ensembles=_ensembles(evidence, samples, file.solution.seed))
+
+
+def _ensembles(evidence: Evidence, samples: Samples, seed: int) -> dict[str, Score]:
+    """Return what they lose, where the page was given time and the training takes seconds."""
+    problem = evidence.problem
+    if evidence.seconds <= 0 or problem.samples.features.size > MOST_VALUES:
+        return {}
+    train = baselines_of(problem)
+    found = {}
+    for name in ENSEMBLES:
+        with contextlib.suppress(ValueError):  # scikit-learn's, of a class with one sample for instance
+            found[name] = score_of(problem, train[name](seed), samples)
+    return found

@@ -13,8 +13,7 @@ from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
 from octmip.interfaces.report.tree.words import Wording, figure
 from octmip.trees.nodes.tree import Leaf, Node
-from octmip.trees.question.problem import Problem
-from octmip.trees.tradeoff import score
+from octmip.trees.tradeoff import Score
 
 Card = tuple[Any, ...]
 
@@ -158,10 +157,9 @@ class Measure(ABC):
 
     # Words on the command line
 
-    def on_new_samples(self, held: HeldOut, tree: Node, problem: Problem) -> str:
-        """Return what a tree loses on samples held out, in the page's figures."""
-        found = score(problem, tree, held.samples)
-        return problem.loss.words_of(found.measures, found.n_samples)
+    def on_new_samples(self, found: Score) -> str:
+        """Return what was lost on samples held out, in the page's figures."""
+        return self.file.loss.words_of(found.measures, found.n_samples)
 
     @abstractmethod
     def line(self, evidence: Evidence, tree: Node, held: HeldOut | None = None) -> str:

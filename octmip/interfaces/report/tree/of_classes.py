@@ -22,7 +22,7 @@ from octmip.interfaces.report.tree.words import (
     short_names,
 )
 from octmip.trees.nodes.tree import Leaf, Node, leaves, predict
-from octmip.trees.tradeoff.held_out import score
+from octmip.trees.tradeoff.held_out import balanced_accuracy, recall_precision, score
 
 MOST_CLASSES = 30
 """Classes that a table of confusions has room for."""
@@ -167,8 +167,8 @@ class OfClasses(Measure):
         found = [_confusion("Training samples", confusion_of(self.file), wording)]
         if evidence is not None and evidence.held_out is not None:
             held = evidence.held_out
-            counts = np.zeros((len(self.file.class_names),) * 2, dtype=np.int64)
-            np.add.at(counts, (held.samples.codes, predict(held.tree, held.samples.features)), 1)
+            counts = score(evidence.problem, held.tree, held.samples).confusion
+            assert counts is not None
             found.append(_confusion("Samples held out", counts, wording))
         return found
 
@@ -259,14 +259,17 @@ def confusion_of(file: TreeFile) -> NDArray[np.int64]:
 
 def _confusion(what: str, counts: NDArray[np.int64], wording: Wording) -> dict[str, Any]:
     names = short_names(wording.classes)
-    caption = f"{what}: true class in rows, answer of the tree in columns"
+    good = f"balanced accuracy {percent(balanced_accuracy(counts))}"
+    caption = f"{what}: true class in rows, answer of the tree in columns; {good}, the mean recall of the classes"
     if len(names) <= MOST_CLASSES:
-        rows = [[name, *row, sum(row)] for name, row in zip(names, counts.tolist(), strict=True)]
+        recall, precision = (list(map(percent, shares.tolist())) for shares in recall_precision(counts))
+        lines = zip(names, counts.tolist(), recall, strict=True)
+        rows = [[name, *row, sum(row), found] for name, row, found in lines]
         return {
             "caption": caption,
-            "head": ["true class", *names, "all"],
-            "rows": rows,
-            "right": range(1, len(names) + 2),
+            "head": ["true class", *names, "all", "recall"],
+            "rows": [*rows, ["precision", *precision, "", ""]],
+            "right": range(1, len(names) + 3),
         }
     wrong = counts - np.diag(np.diag(counts))
     worst = np.argsort(-wrong, axis=None, kind="stable")[:MOST_CLASSES]

@@ -11,7 +11,6 @@ from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
 from octmip.interfaces.report.tree.measure import Card, Measure, differs
 from octmip.interfaces.report.tree.words import MINUS, Wording, answered, compact, counted, figure, short_name
 from octmip.trees.nodes.tree import Leaf, Node, ValueLeaf, leaf_index, leaves, predict_values
-from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff.held_out import Score, score
 
 SHARES = (0.5, 0.8, 0.95, 1.0)
@@ -193,9 +192,8 @@ class OfNumbers(Measure):
         pairs = zip(problem.samples.codes[chosen].tolist(), off.tolist(), strict=True)
         return [[f"{figure(true)} ({_signed(miss)})", 0] for true, miss in pairs]
 
-    def on_new_samples(self, held: HeldOut, tree: Node, problem: Problem) -> str:
+    def on_new_samples(self, found: Score) -> str:
         """Return the measures of the loss on samples held out."""
-        found = score(problem, tree, held.samples)
         measured = (f"{MEASURES.get(name, name)} {figure(value, DIGITS)}" for name, value in found.measures.items())
         return ", ".join([counted(found.n_samples, "sample"), *measured])
 

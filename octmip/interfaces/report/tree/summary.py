@@ -13,6 +13,7 @@ from octmip.trees.answer.scope import depth_in_words
 from octmip.trees.answer.solution import Stop
 from octmip.trees.nodes.tree import depth, features_used
 from octmip.trees.question.losses import ClassCosts
+from octmip.trees.tradeoff import score
 
 
 def title(file: TreeFile) -> str:
@@ -67,8 +68,11 @@ WAYS_ON = {
 def _new_samples(file: TreeFile, evidence: Evidence | None, measure: Measure) -> str:
     """Return what holds on new samples: counted on samples held out, or expected by cross-validation."""
     if evidence is not None and (held := evidence.held_out) is not None:
-        own, greedy = (measure.on_new_samples(held, one, evidence.problem) for one in (held.tree, held.greedy))
-        return f"On new samples: {own}; the greedy tree: {greedy}."
+        lost = {"": held.tree, "the greedy tree": held.greedy}
+        found = {name: score(evidence.problem, tree, held.samples) for name, tree in lost.items()}
+        found |= {f"{name} of a hundred trees or more": one for name, one in evidence.ensembles.items()}
+        words = [f"{name}{name and ': '}{measure.on_new_samples(one)}" for name, one in found.items()]
+        return f"On new samples: {'; '.join(words)}."
     expected = expected_errors(file)
     if expected is None:
         return ""

@@ -37,10 +37,8 @@ def figure(value: float | None, digits: int = DIGITS) -> str:
 
 
 def compact(value: float, largest: float = 1e9) -> str:
-    """Return a number for a narrow place: of the `largest` or more four digits and a power of ten."""
-    return (
-        figure(value) if not math.isfinite(value) or abs(value) < largest else _power(value, 4).replace(" ", "\u00a0")
-    )
+    """Return a number for a narrow place: of the `largest` or more four digits and a power of ten, without a break."""
+    return figure(value) if not math.isfinite(value) or abs(value) < largest else _power(value, 4).replace(" ", "")
 
 
 def _power(value: float, digits: int) -> str:

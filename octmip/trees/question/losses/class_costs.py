@@ -40,6 +40,12 @@ class ClassCosts(Loss):
     per_sample
         whether the rows are the samples instead, (n_samples, n_classes): the classes are decisions, and the targets
         only say which of them counts as right.
+
+    Examples
+    --------
+    >>> to_miss_a_leak = ClassCosts([[0, 1], [20, 0]])  # rows are the true class: "dry", "leak"
+    >>> solve(Problem([[0], [1], [1]], ["dry", "dry", "leak"], depth=1, loss=to_miss_a_leak)).objective
+    1.0
     """
 
     costs: ArrayLike | None = None

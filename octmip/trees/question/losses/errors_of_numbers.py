@@ -92,7 +92,11 @@ class NumberLoss(Loss):
 
 @dataclass(frozen=True, slots=True)
 class SquaredError(NumberLoss):
-    """The squared difference of target and prediction; a leaf predicts the weighted mean."""
+    """The squared difference of target and prediction; a leaf predicts the weighted mean.
+
+    >>> Problem([[0.0], [1.0], [2.0]], [5.0, 5.0, 8.0], depth=1, loss=SquaredError())
+    Problem(3 samples, 1 feature, loss=SquaredError(), depth=1, split='axis')
+    """
 
     name = "squared"
     spellings = ("squared",)
@@ -140,7 +144,11 @@ class SlopedError(NumberLoss):
 
 @dataclass(frozen=True, slots=True)
 class AbsoluteError(SlopedError):
-    """The absolute difference of target and prediction; a leaf predicts the lowest weighted median."""
+    """The absolute difference of target and prediction; a leaf predicts the lowest weighted median.
+
+    >>> solve(Problem([[0.0], [1.0], [2.0]], [5.0, 6.0, 9.0], depth=1, loss=AbsoluteError())).objective
+    1.0
+    """
 
     name = "absolute"
     spellings = ("absolute",)

@@ -36,6 +36,11 @@ class QuantileError(SlopedError):
     ------
     ProblemError
         the level is none.
+
+    Examples
+    --------
+    >>> solve(Problem([[0.0], [0.0], [1.0]], [5.0, 9.0, 7.0], depth=1, loss=QuantileError(0.9))).tree
+    Split(0, 0.5, ValueLeaf(9.0), ValueLeaf(7.0))
     """
 
     level: float
