@@ -41,6 +41,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         "recordings": Extra(
             tuple(name for name, extra in EXTRA_OF.items() if extra == "recordings"), "files of loggers"
         ),
+        "modes": Extra(("pyoma2",), "frequencies and damping by vibrations"),
     }
 )
 
