@@ -75,22 +75,26 @@ def test_each_format_holds_the_truth_and_makes_the_same_campaign(form, at, twin,
     assert any("the longest of 0.61 s at 8.99 s; nothing is filled" in note for note in campaign.notes)
 
 
-def test_one_command_tells_of_a_recording_what_the_table_of_the_same_truth_tells(at, capsys):
-    def told(path, *words):
-        assert (
-            main(["diagnose", path, "--twin", "python:beam_of_three_gauges:beam", "--card", "card.json", *words]) == 0
-        )
-        return json.loads(capsys.readouterr().out)
+def told(capsys, path, *words):
+    assert main(["diagnose", path, *SHORT, *words, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
 
-    pairs = [f"{name}=Beam/{name}" for name in CHANNELS]
-    words = ["--steady", "--loads", *pairs[:2], "--readings", *pairs[2:], "--show-windows", "w.png", "--json"]
-    table = told("run.csv", "--commissioning", "sound.csv", "--json")
-    found = told("run.tdms", "--commissioning", "sound.tdms", *words)
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_one_command_tells_of_each_format_what_the_table_of_the_same_truth_tells(form, at, first, capsys):
+    name, _, places = FORMATS[form]
+    sound = "sound.tdms" if form == "TDMS" else "sound.csv"
+    loads, readings = ([f"{key}={places[key]}" for key in names] for names in (CHANNELS[:2], GAUGES))
+    words = ["--steady", "--loads", *loads, "--readings", *readings, "--load-units", "force=N", "moment=N m"]
+    found = told(capsys, name, "--commissioning", sound, *words, "--show-windows", "w.png")
+    table = first.setdefault("table", None) or told(capsys, "run.csv", "--commissioning", "sound.csv")
+    first["table"] = table
     assert [one["effect"] for one in (*table["parameters"], *found["parameters"])] == ["gain_g2"] * 2
     assert found["parameters"][0]["size"] == pytest.approx(table["parameters"][0]["size"], abs=0.005)
     assert found["parameters"][0]["size"] == pytest.approx(0.25, abs=0.01)
-    assert (at / "w.png").read_bytes().startswith(b"\x89PNG")
-    assert any("run.tdms is a recording (TDMS)" in note for note in found["notes"])
+    assert Path("w.png").read_bytes().startswith(b"\x89PNG")
+    assert [found[key] for key in ("kind", "certainty")] == [table[key] for key in ("kind", "certainty")]
+    assert any(note.startswith(f"{name} is a recording") for note in found["notes"])
 
 
 @pytest.mark.parametrize(
