@@ -44,6 +44,10 @@ def test_the_true_frequency_lies_within_its_interval_and_damping_near(seed):
     )
 
 
+def test_numpy_still_warns_behind_the_import():
+    assert np.geterr()["invalid"] == np.geterr()["divide"] == "warn"
+
+
 @pytest.fixture
 def softer(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
