@@ -24,7 +24,10 @@ from octmip.recordings.windows import STRETCHES, Window
 
 os.environ.setdefault("PYOMA_LOG_LEVEL", "WARNING")  # without it every run writes five lines on standard error
 os.environ.setdefault("PYOMA_DISABLE_MATPLOTLIB_LOGGING", "False")
-with needed_by("modes of a recording"), np.errstate():  # its import silences NumPy's warnings for the whole program
+with (
+    needed_by("the identification of modes"),
+    np.errstate(),
+):  # its import silences NumPy's warnings for the whole program
     from pyoma2.algorithms import SSI
     from pyoma2.setup import SingleSetup
 
