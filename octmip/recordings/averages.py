@@ -11,7 +11,6 @@ Each channel is averaged at its own rate over the same stretches. Source: Anders
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +21,7 @@ from octmip.formats.table import Source, Table
 from octmip.formats.table.units import factor_between
 from octmip.gap import Campaign, read_campaign
 from octmip.recordings.assignment import fixed_names, in_unit, places_of, taken, without
+from octmip.recordings.modes import modes_of
 from octmip.recordings.recording import Channel, Floats, Recording
 from octmip.recordings.statistics import Statistic, inside_of, refuse_bare, refuse_placeholders, statistic_of
 from octmip.recordings.windows import STRETCHES, TOLERANCE, Window, moving, ordered, steady_windows
@@ -227,7 +227,7 @@ def _modal(
 ) -> dict[str, Floats]:
     """Return frequencies [Hz] and damping ratios (n_stretches,) by the twin's names."""
     near = sorted(set(modes.values()))
-    found = import_module("octmip.recordings.modes").modes_of(series, near, window, n)
+    found = modes_of(series, near, window, n)
     return {
         name: (found.frequencies if _is_frequency(twin, name) else found.damping)[:, near.index(frequency)]
         for name, frequency in modes.items()

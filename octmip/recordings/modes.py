@@ -24,12 +24,6 @@ from octmip.recordings.windows import STRETCHES, Window
 
 os.environ.setdefault("PYOMA_LOG_LEVEL", "WARNING")  # without it every run writes five lines on standard error
 os.environ.setdefault("PYOMA_DISABLE_MATPLOTLIB_LOGGING", "False")
-with (
-    needed_by("the identification of modes"),
-    np.errstate(),
-):  # its import silences NumPy's warnings for the whole program
-    from pyoma2.algorithms import SSI
-    from pyoma2.setup import SingleSetup
 
 NEAR = 0.1
 """A mode lies within this share of the frequency by which it is named."""
@@ -176,6 +170,9 @@ def _identified(part: tuple[Floats, float], near: Sequence[float], heard: list[f
     found = np.full((len(near), 4), np.nan)
     if not len(samples):
         return found
+    with needed_by("the identification of modes"), np.errstate():  # the import silences NumPy for the whole program
+        from pyoma2.algorithms import SSI
+        from pyoma2.setup import SingleSetup
     with contextlib.redirect_stderr(io.StringIO()), np.errstate(divide="ignore", invalid="ignore"):
         setup = SingleSetup(samples, fs=rate)
         setup.detrend_data()

@@ -5,14 +5,13 @@ first three modes, each an oscillator by its exact recursion. Source: Blevins (1
 """
 
 from collections.abc import Iterator, Sequence
-from importlib import import_module
 
 import numpy as np
 import scipy.signal
 from numpy.typing import NDArray
 
 from benchmarks.tables import Line
-from octmip.recordings import Channel
+from octmip.recordings import Channel, modes_of
 
 RATE, SECONDS = 200.0, 600.0
 ROOTS, SIGMA = np.array([1.87510407, 4.69409113, 7.85475744]), np.array([0.734095514, 1.018467319, 0.999224497])
@@ -49,7 +48,6 @@ def series(samples: NDArray[np.float64]) -> list[Channel]:
 
 def results(limit: float, threads: Sequence[int], n: int = 100) -> Iterator[Line]:
     """Yield a line for frequencies and one for damping: shares held, bias and half width, of each mode."""
-    modes_of = import_module("octmip.recordings.modes").modes_of  # the family has a name without pyOMA-2 too
     truth = np.concatenate([FREQUENCIES, DAMPING])
     found = [modes_of(series(accelerations(seed)), np.round(FREQUENCIES, 1).tolist()) for seed in range(n)]
     errors = np.array([one.mean for one in found]) - truth
