@@ -43,6 +43,7 @@ FAMILIES = {
     # Doors: what other programs write and read
     "campaigns": "benchmarks.cases.doors.campaigns",
     "recordings": "benchmarks.cases.doors.recordings",
+    "modes": "benchmarks.cases.doors.modes",
     "sql_engines": "benchmarks.cases.doors.sql_engines",
     "printed_rules": "benchmarks.cases.doors.printed_rules",
     "doors_pyomo": "benchmarks.cases.doors.pyomo_models",

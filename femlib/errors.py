@@ -22,6 +22,7 @@ EXTRA_OF = {
     "sksparse": "cholmod",
     "pyvista": "pictures",
     "meshio": "meshes",
+    "h5py": "meshes",
 }
 """The extra of octmip (the distribution femlib comes with) that installs an optional package."""
 

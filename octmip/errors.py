@@ -10,6 +10,7 @@ EXTRA_OF = {
     "pyomo": "model",
     **dict.fromkeys(("nptdms", "asammdf", "pyulog", "pymavlink", "mcap", "rosbags", "obspy"), "recordings"),
     **dict.fromkeys(("pyuff", "pymatreader", "pint"), "recordings"),
+    "pyoma2": "modes",
 }
 """The extra of octmip that installs an optional package."""
 

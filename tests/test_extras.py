@@ -146,7 +146,7 @@ def test_what_a_package_is_missing_for_names_the_extra_in_one_sentence(said, use
 def test_the_packages_named_in_errors_are_those_of_the_extras(errors):
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]
     for package, extra in errors.EXTRA_OF.items():
-        assert {"sksparse": "scikit-sparse"}.get(package, package) in {
+        assert {"sksparse": "scikit-sparse", "pyoma2": "pyOMA_2"}.get(package, package) in {
             re.split(r"[<>=!\[]", line)[0] for line in extras[extra]
         }
 

@@ -13,6 +13,7 @@ import numpy as np
 import femlib
 from benchmarks.readers.file_reader import Reader
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_numbers, mangled_tokens
+from benchmarks.readers.universal import unv
 from femlib.errors import FemlibError, LeftOutWarning
 from femlib.export.calculix_results import read_displacements, read_frequencies
 from femlib.material import isotropic_plate
@@ -101,6 +102,8 @@ WRITTEN: dict[str, Callable[[Path], object]] = {
     "mesh.bdf": lambda path: meshio.write(path, _without_sets(_plate())),
     "cards.bdf": lambda path: path.write_text(BULK),
     "parts.inp": lambda path: path.write_text(PARTS),
+    "mesh.unv": lambda path: path.write_text(unv()),
+    "mesh.med": lambda path: meshio.write(path, _without_sets(_plate())),
     "mesh.vtk": lambda path: meshio.write(path, _without_sets(_plate(), cell_data=_plate().cell_data), "vtk42"),
     "mesh5.vtk": lambda path: meshio.write(path, _without_sets(_plate(), cell_data=_plate().cell_data), "vtk51"),
     "mesh.vtu": lambda path: meshio.write(path, _without_sets(_plate(), cell_data=_plate().cell_data)),
@@ -178,7 +181,11 @@ def read_motion(rng: Generator, folder: Path) -> None:
 
 STRUCTURES = {
     f"mesh {name}": Reader(
-        make_mesh(name), name, mangled_bytes if "4" in name or "5" in name else mangled_text, read_mesh(name), n_made=1
+        make_mesh(name),
+        name,
+        mangled_bytes if {*"45"} & {*name} or name.endswith("med") else mangled_text,
+        read_mesh(name),
+        n_made=1,
     )
     for name in WRITTEN
 } | {

@@ -1,4 +1,4 @@
-"""Meshes from files of other programs: gmsh, Abaqus and CalculiX, Nastran, VTK.
+"""Meshes from files of other programs: gmsh, Abaqus and CalculiX, Nastran, Salome, I-DEAS, VTK.
 
 Taken from a file: nodes, shells of three and four nodes, lines of two, and what names them. Nothing else: no material,
 load, support, mass or spring. A file that has something else that changes the structure gives a warning, and
@@ -9,6 +9,8 @@ load, support, mass or spring. A file that has something else that changes the s
 | gmsh .msh (2.2, 4.1) | meshio | physical groups, of lines and surfaces | physical groups of points |
 | Abaqus, CalculiX .inp | `abaqus` | *ELSET, *ELEMENT with ELSET | *NSET, *NODE with NSET, ELSET of masses and springs |
 | Nastran .bdf, .dat, .nas, .fem, .blk | `nastran` | "property:3", names in comments | "SPC:1", "CONM2:9", ... |
+| I-DEAS .unv | `unv` | groups of elements | groups of nodes alone |
+| Salome, Code_Aster .med | meshio | families' groups | the same of points |
 | VTK .vtk | `vtk_legacy` | "name:value" of each whole-numbered cell array | the same of point arrays |
 | VTK .vtu | meshio | the same | the same |
 
@@ -34,6 +36,7 @@ from femlib.structure.abaqus import read_deck
 from femlib.structure.file_mesh import FileMesh, value_sets, wrong_kind
 from femlib.structure.named_mesh import NamedMesh
 from femlib.structure.nastran import read_bulk
+from femlib.structure.unv import read_universal
 from femlib.structure.vtk_legacy import read_legacy
 
 if TYPE_CHECKING:
@@ -42,6 +45,7 @@ if TYPE_CHECKING:
 READERS = {
     ".msh": "gmsh", ".inp": "abaqus", ".bdf": "nastran", ".nas": "nastran", ".fem": "nastran", ".dat": "nastran",
     ".blk": "nastran", ".bulk": "nastran", ".vtk": "vtk", ".vtu": "vtu",
+    ".unv": "unv", ".med": "med",
 }  # fmt: skip
 """Format by the ending of a file's name."""
 UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "ft": 0.3048}
@@ -60,8 +64,8 @@ UNREAD = {
 """What meshio does not read of a .vtu file, and the reason that it does not give."""
 OLD_GMSH = re.compile(rb"\s*(?:\$NOD\s|\$MeshFormat\s+(?!4\.1|2\.2)([0-9.]{1,4}) )")
 """Beginning of a file of another version of gmsh's format than meshio reads."""
-OWN_SETS = ("gmsh:geometrical", "gmsh:bounding_entities", "gmsh:dim_tags")
-"""What meshio keeps of gmsh's geometry; no set of the user's."""
+OWN_SETS = ("gmsh:geometrical", "gmsh:bounding_entities", "gmsh:dim_tags", "cell_tags", "point_tags")
+"""What meshio keeps of gmsh's geometry, and of MED's families; no set of the user's."""
 
 
 def read(
@@ -121,16 +125,18 @@ def _read_file(path: Path) -> FileMesh:
             f"{path} ends in {path.suffix!r}; expected one of {sorted(READERS)}; rename it, or give meshio.read(path)"
         )
     kind = READERS[path.suffix.lower()]
-    if kind in ("gmsh", "vtu"):
+    if kind in ("gmsh", "vtu", "med"):
         with needed_by("a mesh from a file"):
             reader = import_module(f"meshio.{kind}")
+            if kind == "med":
+                import_module("h5py")
         return _read_by_meshio(path, kind, reader)
     content = read_bytes(path, "a mesh file")
     try:
         with limited_memory(ROOM + ROOM_PER_BYTE * len(content)):
             if kind == "vtk":
                 return read_legacy(content, path)
-            return read_deck(path) if kind == "abaqus" else read_bulk(path)
+            return {"abaqus": read_deck, "nastran": read_bulk, "unv": read_universal}[kind](path)
     except MemoryError as error:
         raise _unreadable(path, kind, "it asks for more memory than a file of its size") from error
 
@@ -243,7 +249,20 @@ def _sets(source: Any, blocks: Sequence[tuple[str, IntArray]], told: dict[str, s
         if name not in OWN_SETS:
             found = value_sets(name, np.asarray(values), told)
             nodes |= {key: np.flatnonzero(mask) for key, mask in found.items()}
+    if getattr(source, "cell_tags", {}):
+        elements |= _families(source.cell_tags, np.concatenate(source.cell_data["cell_tags"]))
+    if getattr(source, "point_tags", {}):
+        found = _families(source.point_tags, source.point_data["point_tags"])
+        nodes |= {name: np.flatnonzero(mask) for name, mask in found.items()}
     return elements, nodes
+
+
+def _families(groups: Mapping[int, Sequence[str]], tags: IntArray) -> dict[str, BoolArray]:
+    """Return the members of MED's groups as truth values (n,), by the families (n,): a group is one or several."""
+    found = dict[str, BoolArray]()
+    for tag, names in groups.items():
+        found |= {name: found.get(name, False) | (tags == tag) for name in names}
+    return found
 
 
 def _values(

@@ -20,9 +20,15 @@ def fixed_names(twin: Twin) -> tuple[str, ...]:
 
 
 def places_of(
-    recording: Recording, twin: Twin, readings: Mapping[str, str], loads: Mapping[str, str | float]
+    recording: Recording,
+    twin: Twin,
+    readings: Mapping[str, str],
+    loads: Mapping[str, str | float],
+    modes: Mapping[str, float],
 ) -> dict[str, str | float]:
     """Return channel or number by the twin's name, loads first; names that nobody placed are looked for as they are.
+
+    Readings that are modes have none.
 
     Raises
     ------
@@ -30,24 +36,28 @@ def places_of(
         a name that the twin lacks, a load that is not there, or no reading.
     """
     others = (*fixed_names(twin), TEMPERATURE)
-    for asked, known, what in ((readings, twin.gauges, "reading"), (loads, others, "load or state")):
+    for asked, known, what in (
+        ({**readings, **modes}, twin.gauges, "reading"),
+        (loads, others, "load or state"),
+    ):
         unknown = next((name for name in asked if name not in known), None)
         if unknown is not None:
             raise DataError(f"the twin has no {what} {shown(unknown)}; expected {several(known, 12)}; use its names")
     given = {**loads, **readings}
-    named = {name: given[name] if name in given else _by_name(recording, name) for name in (*others, *twin.gauges)}
+    channelled = [name for name in (*others, *twin.gauges) if name not in modes]
+    named = {name: given[name] if name in given else _by_name(recording, name) for name in channelled}
     missing = next((name for name in loads_of(twin) if named[name] == ""), None)
     if missing is not None:
         raise DataError(
             f"{recording.name}: no channel is the load {missing!r}; expected --loads {missing}=CHANNEL, or a number "
             f"that holds all along; its channels: {several(recording.channels, 12)}"
         )
-    if not any(named[name] for name in twin.gauges):
+    if not modes and not any(named[name] for name in twin.gauges):
         raise DataError(
             f"{recording.name}: no channel is a reading of the twin ({several(twin.gauges, 6)}); expected --readings "
             f"{twin.gauges[0]}=CHANNEL; its channels: {several(recording.channels, 12)}"
         )
-    found = {name: _number_or(recording, named[name]) for name in (*others, *twin.gauges) if named[name] != ""}
+    found = {name: _number_or(recording, place) for name, place in named.items() if place != ""}
     places = [place for place in found.values() if isinstance(place, str)]
     twice = next((place for place in places if places.count(place) > 1), None)
     if twice is not None:

@@ -18,12 +18,14 @@ import pandas as pd
 
 from octmip.errors import DataError
 from octmip.formats.table import Source, Table
+from octmip.formats.table.units import factor_between
 from octmip.gap import Campaign, read_campaign
 from octmip.recordings.assignment import fixed_names, in_unit, places_of, taken, without
-from octmip.recordings.recording import Channel, Recording
+from octmip.recordings.modes import modes_of
+from octmip.recordings.recording import Channel, Floats, Recording
 from octmip.recordings.statistics import Statistic, inside_of, refuse_bare, refuse_placeholders, statistic_of
-from octmip.recordings.windows import TOLERANCE, Window, moving, ordered, steady_windows
-from octmip.twin import Twin, loads_of
+from octmip.recordings.windows import STRETCHES, TOLERANCE, Window, moving, ordered, steady_windows
+from octmip.twin import Twin, loads_of, units_of
 
 FEWEST, MOST = 4, 24
 """Rows of the shortest window, where the longest has no more than so many: the diagnosis gains little from more."""
@@ -70,6 +72,8 @@ def averages_of(
     tolerance: float = TOLERANCE,
     test: str = "",
     no_reading: Sequence[float] = (),
+    modes: Mapping[str, float] | None = None,
+    vibrations: Sequence[str] = (),
 ) -> Averages:
     """Return what a twin's readings and loads are in the windows of a recording.
 
@@ -93,18 +97,30 @@ def averages_of(
         channel whose number is the name of each window's test.
     no_reading
         numbers by which the logger says that there is no reading.
+    modes
+        by the twin's name of a reading in Hz, or of a damping ratio, a frequency within a tenth of its mode's [Hz].
+    vibrations
+        channels by which the modes are identified (`octmip.recordings.modes`).
 
     Raises
     ------
     DataError
         a name or channel that is not there, another unit, no window, or a window without samples.
     """
-    places = places_of(recording, twin, readings or {}, loads or {})
+    modes = modes or {}
+    if bool(modes) != bool(vibrations):
+        raise DataError(
+            f"{len(modes)} modes and {len(vibrations)} vibrations; expected both: --modes f1=HERTZ says which modes, "
+            "--vibrations CHANNEL by which channels; give the other"
+        )
+    places = places_of(recording, twin, readings or {}, loads or {}, modes)
     numbers = {name: float(place) for name, place in places.items() if not isinstance(place, str)}
     own = {name: without(recording[place], no_reading) for name, place in places.items() if isinstance(place, str)}
     channels = {name: in_unit(one, (load_units or {}).get(name, one.unit)) for name, one in own.items()}
     told = [f"{recording.name} is a recording ({recording.format}); a row is the mean of a stretch of one window."]
     told += taken(own, channels)
+    shaken = {name: without(recording[name], no_reading) for name in vibrations}
+    channels = {**channels, **shaken}
     loaded = [channels[name] for name in loads_of(twin) if name in channels]
     if windows:
         windows = ordered(windows)
@@ -114,25 +130,35 @@ def averages_of(
         windows, how = steady_windows(still, least, tolerance)
         told += how
     gauges, fixed = [name for name in twin.gauges if name in channels], [*numbers, *fixed_names(twin)]
+    gauges += vibrations
     for window in windows:
         refuse_placeholders(channels, window)
     statistics = tuple({name: statistic_of(one, window) for name, one in channels.items()} for window in windows)
     for window, found in zip(windows, statistics, strict=True):
         refuse_bare(channels, found, window, gauges)
-    length = _row_length(windows, statistics, gauges)
+    shortest = min(window.end - window.start for window in windows)
+    length = shortest / STRETCHES if modes else _row_length(windows, statistics, gauges)
     tests = _tests(recording, windows, test)
-    rows = pd.concat(
-        [
-            _rows(channels, found, window, length).assign(
-                test=name,
-                **{key: numbers[key] if key in numbers else _rounded(found[key]) for key in fixed if key in places},
-            )
-            for window, found, name in zip(windows, statistics, tests, strict=True)
-        ],
-        ignore_index=True,
+    frames = []
+    for window, found, name in zip(windows, statistics, tests, strict=True):
+        frame = _rows(channels, found, window, length).drop(columns=list(shaken))
+        loaded_at = {key: numbers[key] if key in numbers else _rounded(found[key]) for key in fixed if key in places}
+        modal = _modal(modes, twin, list(shaken.values()), window, len(frame)) if modes else {}
+        frames.append(frame.assign(test=name, **loaded_at, **modal))
+    rows = pd.concat(frames, ignore_index=True)
+    if modes:
+        n = [int(rows[name].isna().sum()) for name in modes]
+        told.append(
+            f"Modes ({', '.join(modes)}) are identified by {len(vibrations)} channels, a row each {length:.4g} s "
+            f"(SSI-cov of pyOMA-2); {sum(n)} of {rows.shape[0] * len(n)} are missing."
+        )
+    notes = (
+        *recording.notes,
+        *told,
+        *_told(channels, windows, statistics, [name for name in gauges if name not in shaken]),
     )
-    notes = (*recording.notes, *told, *_told(channels, windows, statistics, gauges))
     units = tuple((name, one.unit) for name, one in channels.items() if one.unit and name not in (load_units or {}))
+    units += tuple((name, "Hz" if _is_frequency(twin, name) else "1") for name in modes)
     return Averages(windows, channels, statistics, Table(Source(Path(recording.name), "parquet"), rows, notes, units))
 
 
@@ -196,6 +222,22 @@ def _rows(
     return pd.DataFrame(columns)
 
 
+def _modal(
+    modes: Mapping[str, float], twin: Twin, series: Sequence[Channel], window: Window, n: int
+) -> dict[str, Floats]:
+    """Return frequencies [Hz] and damping ratios (n_stretches,) by the twin's names."""
+    near = sorted(set(modes.values()))
+    found = modes_of(series, near, window, n)
+    return {
+        name: (found.frequencies if _is_frequency(twin, name) else found.damping)[:, near.index(frequency)]
+        for name, frequency in modes.items()
+    }
+
+
+def _is_frequency(twin: Twin, reading: str) -> bool:
+    return factor_between("Hz", units_of(twin)[twin.gauges.index(reading)]) is not None
+
+
 def _told(
     channels: Mapping[str, Channel],
     windows: Sequence[Window],
@@ -212,6 +254,8 @@ def _told(
     if len(rates) > 1:
         told.append(f"Channels have {len(rates)} rates ({', '.join(rates)}): each is averaged at its own.")
     known = [(k, name) for k, part in enumerate(statistics) for name in gauges if part[name].effective > 0.0]
+    if not known:
+        return told
     k, name = min(known, key=lambda place: statistics[place[0]][place[1]].effective / statistics[place[0]][place[1]].n)
     one = statistics[k][name]
     told.append(

@@ -20,6 +20,8 @@ TOLERANCE = 0.02
 """How far a load may move in a window, over its range in the recording."""
 SHARE = 1 / 50
 """The shortest window over the length of the recording, where nobody says it."""
+STRETCHES = 8
+"""Rows of the shortest window whose modes are identified: shorter stretches bias damping."""
 SCATTER = 8.0
 """Standard deviations of a block mean that a tolerance holds at the least: some hundred of them spread over half."""
 NOISE = (3.5, 9.0)

@@ -105,3 +105,6 @@ def test_names_of_features_speak_of_the_columns_and_classes_without_names_are_th
             assert [("the index of a class" in head) for head in heads] == [names is None] * 2
             assert "It is given reading[0], and reads:" in source
             assert [one for (one,) in base.execute(f"SELECT {text} FROM readings")] == answers * 10
+        assert base.execute('SELECT "no such" FROM readings').fetchone() == ("no such",)  # SQLite's own, in silence
+        with pytest.raises(sqlite3.OperationalError, match="no such column"):
+            base.execute('SELECT readings."no such" FROM readings')

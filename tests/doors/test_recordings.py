@@ -13,9 +13,10 @@ import pytest
 
 from benchmarks.recordings import BEAM, CARD, START, UNITS, write_tdms
 from octmip.errors import DataError, MissingExtraError
+from octmip.gap import function_twin
 from octmip.gap.doors import open_twin
 from octmip.interfaces.cli import main
-from octmip.recordings import averages_of, campaign_of, recording
+from octmip.recordings import Window, averages_of, campaign_of, recording
 from tests.doors.recorded import CHANNELS, FORMATS, GAUGES, RATE, as_csv, truth
 
 pytestmark = pytest.mark.filterwarnings("ignore:SelectableGroups dict interface")  # of obspy
@@ -75,22 +76,26 @@ def test_each_format_holds_the_truth_and_makes_the_same_campaign(form, at, twin,
     assert any("the longest of 0.61 s at 8.99 s; nothing is filled" in note for note in campaign.notes)
 
 
-def test_one_command_tells_of_a_recording_what_the_table_of_the_same_truth_tells(at, capsys):
-    def told(path, *words):
-        assert (
-            main(["diagnose", path, "--twin", "python:beam_of_three_gauges:beam", "--card", "card.json", *words]) == 0
-        )
-        return json.loads(capsys.readouterr().out)
+def told(capsys, path, *words):
+    assert main(["diagnose", path, *SHORT, *words, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
 
-    pairs = [f"{name}=Beam/{name}" for name in CHANNELS]
-    words = ["--steady", "--loads", *pairs[:2], "--readings", *pairs[2:], "--show-windows", "w.png", "--json"]
-    table = told("run.csv", "--commissioning", "sound.csv", "--json")
-    found = told("run.tdms", "--commissioning", "sound.tdms", *words)
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_one_command_tells_of_each_format_what_the_table_of_the_same_truth_tells(form, at, first, capsys):
+    name, _, places = FORMATS[form]
+    sound = "sound.tdms" if form == "TDMS" else "sound.csv"
+    loads, readings = ([f"{key}={places[key]}" for key in names] for names in (CHANNELS[:2], GAUGES))
+    words = ["--steady", "--loads", *loads, "--readings", *readings, "--load-units", "force=N", "moment=N m"]
+    found = told(capsys, name, "--commissioning", sound, *words, "--show-windows", "w.png")
+    table = first.setdefault("table", None) or told(capsys, "run.csv", "--commissioning", "sound.csv")
+    first["table"] = table
     assert [one["effect"] for one in (*table["parameters"], *found["parameters"])] == ["gain_g2"] * 2
     assert found["parameters"][0]["size"] == pytest.approx(table["parameters"][0]["size"], abs=0.005)
     assert found["parameters"][0]["size"] == pytest.approx(0.25, abs=0.01)
-    assert (at / "w.png").read_bytes().startswith(b"\x89PNG")
-    assert any("run.tdms is a recording (TDMS)" in note for note in found["notes"])
+    assert Path("w.png").read_bytes().startswith(b"\x89PNG")
+    assert [found[key] for key in ("kind", "certainty")] == [table[key] for key in ("kind", "certainty")]
+    assert any(note.startswith(f"{name} is a recording") for note in found["notes"])
 
 
 @pytest.mark.parametrize(
@@ -235,6 +240,31 @@ def test_pieces_of_miniseed_do_not_overlap_and_half_a_sample_is_told(at):
         recording("over.mseed")["XX.A..HHZ"]
 
 
+def test_what_is_no_series_of_time_is_refused_or_left_out(at):
+    import asammdf
+    import pyuff
+    from mcap.writer import Writer
+
+    with asammdf.MDF(version="4.10") as file:
+        file.append([asammdf.Signal(np.arange(5.0), np.arange(5.0), name="p", master_metadata=("Angle", 2))])
+        file.save("angle.mf4")
+    with pytest.raises(DataError, match="'p' is recorded over 'Angle', no time"):
+        recording("angle.mf4")["p"]
+    with Path("packed.mcap").open("wb") as stream:
+        (file := Writer(stream)).start()
+        channel = file.register_channel("/t", "protobuf", file.register_schema("x", "protobuf", b""))
+        file.add_message(channel, 1, b"abc", 1), file.finish()
+    with pytest.raises(DataError, match="holds messages in protobuf; expected JSON or ROS 2"):
+        recording("packed.mcap")
+    places = dict.fromkeys(("rsp_node", "rsp_dir", "ref_node", "ref_dir"), 1)
+    kinds = {"func_type": 4, "abscissa_spacing": 0, "ord_data_type": 5, "binary": 0, "abscissa_spec_data_type": 18}
+    kinds |= dict.fromkeys(("ordinate_spec_data_type", "orddenom_spec_data_type", "z_axis_spec_data_type"), 0)
+    response = pyuff.prepare_58(x=np.arange(5.0), data=np.ones(5) * 1j, id1="H", **places, **kinds)
+    Path("both.uff").write_bytes(Path("run.uff").read_bytes())
+    pyuff.UFF("both.uff").write_sets([response], mode="add")
+    assert recording("both.uff").notes == ("1 function that is no time response is left out.",)
+
+
 def test_messages_of_ros_2_in_mcap_and_in_a_database(at):
     from rosbags.rosbag2 import StoragePlugin, Writer
     from rosbags.typesys import Stores, get_typestore
@@ -300,13 +330,33 @@ def of_package(package, *parts):
     return path
 
 
-def test_a_seismometer_with_gaps_is_read_as_its_test_data_say():
-    found = recording(of_package("obspy", "io", "mseed", "tests", "data", "gaps.mseed"))["BW.BGLD..EHE"]
-    assert len(found.time) == 52_728
-    assert any(note.startswith("3 gaps, the longest of 4.12 s") for note in found.notes())
+def rows_of(opened, channel, unit, windows):
+    """Return the rows of a sensor's windows, and the notes."""
+    twin = function_twin(
+        lambda parameters, loads: [parameters["level"]], {"sensor": unit}, {"level": (0, -1e9, 1e9, unit)}
+    )
+    found = averages_of(opened, twin, {"sensor": channel}, {"load_factor": 1.0}, windows=windows)
+    assert campaign_of(found, twin).readings.shape == (len(found.table.frame), 1)
+    return found.table.frame, found.table.notes
 
 
-def test_a_digital_input_of_labview_becomes_windows():
-    opened = recording(of_package("nptdms", "test", "data", "Digital_Input.tdms"))
-    channel = opened[opened.channels[0]]
-    assert (len(channel.time), channel.step) == (20_000, pytest.approx(0.0005))
+def test_a_seismometer_with_gaps_makes_the_rows_of_its_samples():
+    path, name = of_package("obspy", "io", "mseed", "tests", "data", "gaps.mseed"), "BW.BGLD..EHE"
+    import obspy
+
+    whole = np.concatenate([piece.data for piece in obspy.read(str(path))])
+    frame, notes = rows_of(recording(path), name, "-", [Window(0.0, 1000.0)])
+    assert len(recording(path)[name].time) == len(whole) == 52_728
+    assert frame["sensor"].mean() == pytest.approx(whole.mean(), rel=1e-3)
+    assert any("3 gaps, the longest of 4.12 s" in note for note in notes)
+
+
+def test_a_digital_input_of_labview_makes_the_rows_of_its_samples():
+    from nptdms import TdmsFile
+
+    path = of_package("nptdms", "test", "data", "Digital_Input.tdms")
+    own = next(iter(TdmsFile.read(path).groups())).channels()[0][:]
+    opened = recording(path)
+    frame, _ = rows_of(opened, opened.channels[0], "V", [Window(0.0, 2.5), Window(5.0, 10.0)])
+    assert len(own) == 20_000
+    assert frame["sensor"].to_numpy() == pytest.approx(np.concatenate([own[:5000], own[10_000:]]).mean(), abs=0.01)

@@ -4,6 +4,7 @@ import meshio
 import numpy as np
 import pytest
 
+from benchmarks.readers.universal import unv
 from femlib.errors import InputError, MeshError
 from femlib.structure import read
 from tests.test_femlib.own_meshes import plate_mesh
@@ -55,12 +56,31 @@ $EndElements
 """
 
 
-@pytest.mark.parametrize("version", ["4.1", "2.2"])
-def test_the_names_of_gmsh_are_kept(version, tmp_path):
+def write_med(path, source):
+    """Write families as Salome has them: a group may be several, and a family in several groups."""
+    mesh = meshio.read(source)
+    tags = {"vertex": [-1], "line": [-2], "quad": [-3], "triangle": [-4, -4]}
+    mesh.cell_data = {"cell_tags": [np.array(tags[block.type]) for block in mesh.cells]}
+    mesh.cell_sets, mesh.point_data = {}, {"point_tags": np.array([2, 0, 0, 0, 0, 0])}
+    mesh.cell_tags, mesh.point_tags = {-2: ["edge"], -3: ["skin"], -4: ["skin", "right"]}, {2: ["corner"]}
+    meshio.write(path, mesh)
+
+
+@pytest.mark.parametrize("form", ["4.1", "2.2", "unv", "quadratic unv", "med"])
+@pytest.mark.filterwarnings("ignore:.*left out of the mesh. 1 masses:femlib.errors.LeftOutWarning")
+def test_the_names_of_groups_are_kept(form, tmp_path):
+    path = tmp_path / ("plate.unv" if "unv" in form else "plate.med" if form == "med" else "plate.msh")
     (tmp_path / "plate.msh").write_text(GMSH)
-    if version == "2.2":
-        meshio.write(tmp_path / "plate.msh", meshio.read(tmp_path / "plate.msh"), file_format="gmsh22", binary=False)
-    found = read(tmp_path / "plate.msh")
+    if form == "2.2":
+        meshio.write(path, meshio.read(path), file_format="gmsh22", binary=False)
+    if form == "med":
+        pytest.importorskip("h5py")
+        write_med(path, tmp_path / "plate.msh")
+    if "unv" in form:
+        path.write_text(unv(form != "unv"))
+    found = read(path, corners_only=form == "quadratic unv")
+    assert found.quads.tolist() == [[0, 1, 2, 3]]
+    assert found.trias.tolist() == [[1, 4, 5], [1, 5, 2]]
     assert (len(found.quads), len(found.trias), len(found.lines)) == (1, 2, 1)
     assert found.elements_of("skin").tolist() == [True, True, True, False]
     assert found.nodes_of("edge").tolist() == [0, 3]
@@ -120,6 +140,11 @@ LEFT, Right
         ("plate.inp", DECK.replace("7, 20, 50, 60, 30", "7, 20, 50, 60, 30, 40"), "element 7 has 5 nodes, expected 4"),
         ("plate.inp", DECK.replace("10, 40, 30", "10, 9000000000000000000, 30"), "as abaqus"),
         ("plate.bdf", "CEND\nBEGIN BULK\n$ nothing\n", "has no node"),
+        ("plate.unv", unv()[:-200], "expected two about each dataset; was it cut"),
+        ("plate.unv", unv().replace("         6         3\n", "         6        33\n"), "the node 33, which the file"),
+        ("plate.unv", unv().replace("        94         1", "       115         1"), "elements of kind descriptor 115"),
+        ("plate.unv", unv().replace("        94         1", "        91         1"), "has 4 nodes, a triangle 3"),
+        ("plate.unv", unv().replace("    -1\n  2412", "    -1\n   780"), "elements in dataset 780"),
     ],
 )
 def test_a_file_with_too_few_or_too_many_rows_is_refused(name, text, told, tmp_path):

@@ -10,7 +10,7 @@ from octmip.recordings.assignment import _by_name, in_unit
 from octmip.recordings.averages import _rounded, _row_length, _rows, _tests
 from octmip.recordings.recording import Channel, Recording
 from octmip.recordings.statistics import Statistic, refuse_placeholders, statistic_of
-from octmip.recordings.windows import Window, _block_means, _creeps, ordered, steady_windows
+from octmip.recordings.windows import Window, _block_means, _creeps, steady_windows
 
 
 def channel(values, name="force", unit="N", step=1.0, valid=None):
@@ -35,12 +35,6 @@ def test_a_mean_is_worth_the_samples_that_do_not_remember_one_another(memory):
 
 def test_a_sample_is_valid_where_it_is_a_number_and_its_file_says_so():
     assert channel([1.0, np.nan, 2.0], valid=np.array([True, True, False])).is_valid.tolist() == [True, False, False]
-
-
-def test_windows_may_touch_but_not_overlap_and_come_in_the_order_of_time():
-    assert ordered([Window(5.0, 7.0), Window(1.0, 5.0)]) == (Window(1.0, 5.0), Window(5.0, 7.0))
-    with pytest.raises(DataError, match=r"windows 1,5 and 4\.9,7 overlap"):
-        ordered([Window(4.9, 7.0), Window(1.0, 5.0)])
 
 
 def test_a_block_with_fewer_than_half_of_the_samples_has_no_mean():

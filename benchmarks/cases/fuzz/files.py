@@ -21,7 +21,7 @@ All readers of the two packages, each a line of the table:
     octmip.trees.methods.checkpoint                     checkpoints of both kinds, the sum corrected after most changes
     octmip.trees.evidence.proof.check_proof                    proof log of regression trees; with certify --proof
     octmip.gap.doors.opening.table_twin           table of a twin, .csv and .parquet, and its card
-    femlib.read                                 meshes: Abaqus, gmsh (text, binary), Nastran, VTK
+    femlib.read                                 meshes: Abaqus, gmsh (text, binary), Nastran, I-DEAS, MED, VTK
     femlib.structure.calculix.read_gauges       results of CalculiX: strains,
     femlib.export.calculix_results              frequencies, displacements
 

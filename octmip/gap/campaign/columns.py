@@ -54,8 +54,6 @@ class CampaignColumns:
     ----------
     table
         the file.
-    numbers
-        (n_rows,) line of each row.
     place
         name in the file by the twin's name.
     units
@@ -65,13 +63,17 @@ class CampaignColumns:
     """
 
     table: Table
-    numbers: tuple[int, ...]
     place: Mapping[str, str]
     units: Mapping[str, str]
     notes: tuple[str, ...]
 
     def __contains__(self, name: str) -> bool:
         return name in self.place
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """(n_rows,) line of each row, for a sentence: as slow as reading the file."""
+        return self.table.numbers_of_rows()
 
     def texts(self, name: str) -> tuple[str, ...]:
         """Return the cells (n_rows,) of a column as text, spaces stripped, "" where empty."""
@@ -177,7 +179,7 @@ class CampaignColumns:
             a text is no time, or one that can be read in two ways.
         """
         if TIME not in self:
-            return np.full(len(self.numbers), np.nan), ()
+            return np.full(len(self.table.frame), np.nan), ()
         column = self.table.frame[self.place[TIME]]
         if column.dtype.kind == "M":
             return self._from_first(_seconds_of(column - column.min()))
@@ -309,7 +311,7 @@ def read_columns(
     if unchecked:
         named = ", ".join(f"{name} in {given[name]}" for name in unchecked)
         notes += (f"The twin says no unit of its loads and states, so that of the file is not checked: {named}.",)
-    return CampaignColumns(table, table.numbers_of_rows(), MappingProxyType(place), MappingProxyType(given), notes)
+    return CampaignColumns(table, MappingProxyType(place), MappingProxyType(given), notes)
 
 
 def _known(column: str, known: Sequence[str]) -> tuple[str, str]:

@@ -117,22 +117,22 @@ def _load_column(table: CampaignColumns, name: str) -> NDArray[np.float64]:
 
 def _tests(table: CampaignColumns) -> tuple[str, ...]:
     tests = table.texts("test")
-    for name, number in zip(tests, table.numbers, strict=True):
+    for k, name in enumerate(tests):
         if not name:
             raise DataError(
-                f"row {number}, column test is empty; give every reading the name of its test, or begin the row "
-                "with # if it holds no readings, but units or remarks"
+                f"row {table.numbers[k]}, column test is empty; give every reading the name of its test, or begin the "
+                "row with # if it holds no readings, but units or remarks"
             )
         if name.lower().strip(" :.") in STATISTICS:
             raise DataError(
-                f"row {number}, column test is {shown(name)}, as a statistic of the rows above is called; "
+                f"row {table.numbers[k]}, column test is {shown(name)}, as a statistic of the rows above is called; "
                 "expected the name of a test; delete the row, or give the test another name"
             )
     return tests
 
 
 def _optional(table: CampaignColumns, name: str) -> NDArray[np.float64]:
-    return table.floats(name) if name in table else np.full(len(table.numbers), np.nan)
+    return table.floats(name) if name in table else np.full(len(table.table.frame), np.nan)
 
 
 def _states(table: CampaignColumns, parameters: tuple[str, ...], tests: tuple[str, ...]) -> NDArray[np.float64]:

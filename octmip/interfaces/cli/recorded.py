@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from octmip.formats.table import Table
     from octmip.twin import Twin
 
-OPTIONS = ("readings", "loads", "load_units", "least", "test", "no_reading", "show_windows")
+OPTIONS = ("readings", "loads", "load_units", "least", "test", "no_reading", "modes", "vibrations", "show_windows")
 """What only a recording takes."""
 
 
@@ -56,7 +56,8 @@ def table_of(arguments: argparse.Namespace, path: str, twin: "Twin", is_commissi
         *(_pairs(arguments, name) for name in ("readings", "loads", "load_units")),
         windows=[window_of(text) for text in arguments.windows or ()],
         steady=arguments.steady or (),
-        **{name: getattr(arguments, name) for name in ("least", "test", "no_reading")},
+        modes=_frequencies(_pairs(arguments, "modes")),
+        **{name: getattr(arguments, name) for name in ("least", "test", "no_reading", "vibrations")},
     )
     if arguments.show_windows and not is_commissioning:
         importlib.import_module("octmip.interfaces.plot.windows").draw_windows(found, arguments.show_windows)
@@ -73,3 +74,12 @@ def _pairs(arguments: argparse.Namespace, name: str) -> Mapping[str, str]:
             raise DataError(f"--{name.replace('_', '-')} {why}; expected NAME=VALUE, each name once; write it so")
         pairs[key] = value
     return pairs
+
+
+def _frequencies(modes: Mapping[str, str]) -> Mapping[str, float]:
+    try:
+        return {name: float(words) for name, words in modes.items()}
+    except ValueError as error:
+        raise DataError(
+            f"--modes says {shown(modes)}; expected a frequency in Hz behind each name; write it"
+        ) from error

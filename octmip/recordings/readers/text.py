@@ -40,7 +40,7 @@ def read(path: Path) -> Recording:
     units = {column: unit or dict(table.units).get(column, "") for column, (_, unit) in named.items()}
     given = {TIME if column == stamps else column: unit for column, unit in units.items()}
     place = MappingProxyType({TIME if column == stamps else column: column for column in table.columns})
-    columns = CampaignColumns(table, table.numbers_of_rows(), place, given, ())
+    columns = CampaignColumns(table, place, given, ())
     time, how = columns.time()
 
     def loaded(column: str) -> Channel:

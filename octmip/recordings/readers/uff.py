@@ -26,7 +26,12 @@ def read(path: Path) -> Recording:
     names = [_text(one, "id1") or f"node {one['rsp_node']} direction {one['rsp_dir']}" for one in series]
     labels = [name if names.count(name) == 1 else f"{name}#{k + 1}" for k, name in enumerate(names)]
     left_out = len(sets) - len(series)
-    notes = (f"{left_out} functions that are no time responses are left out.",) if left_out else ()
+    others = (
+        "1 function that is no time response is"
+        if left_out == 1
+        else f"{left_out} functions that are no time responses are"
+    )
+    notes = (f"{others} left out.",) if left_out else ()
     loaders = {
         label: functools.partial(Channel, label, _text(one, "ordinate_axis_units_lab"), _time(one), one["data"])
         for label, one in zip(labels, series, strict=True)

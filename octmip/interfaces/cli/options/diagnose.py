@@ -75,6 +75,8 @@ def _add_recording_arguments(parser: argparse.ArgumentParser) -> None:
         ("loads", "NAME=CHANNEL", str, "the same of loads, states and temperature; a number holds all along"),
         ("load-units", "NAME=UNIT", str, "units in which the twin takes loads: channels in others are converted"),
         ("windows", "START,END[,TEST]", str, "windows of a recording [s]"),
+        ("modes", "NAME=HERTZ", str, "readings that are frequencies or damping of modes, and about where each mode is"),
+        ("vibrations", "CHANNEL", str, "channels of a recording by which modes are identified"),
         ("no-reading", "NUMBER", float, "numbers by which a logger says that there is no reading"),
     ):
         parser.add_argument(f"--{name}", metavar=metavar, type=kind, nargs="+", action="extend", default=[], help=words)
