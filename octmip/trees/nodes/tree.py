@@ -318,11 +318,8 @@ def complexity(tree: Node) -> int:
 
 def features_used(tree: Node) -> tuple[int, ...]:
     """Return the features that some split, or some linear leaf, reads, ascending."""
-    read: set[int] = set()
-    for node in nodes(tree):
-        if not isinstance(node, Leaf) or isinstance(node, ValueLeaf):
-            read.update(node.features)
-    return tuple(sorted(read))
+    read = (node.features for node in nodes(tree) if not isinstance(node, Leaf) or isinstance(node, ValueLeaf))
+    return tuple(sorted(set().union(*read)))
 
 
 def with_sides_for_missing(tree: Node, features: NDArray[np.float64], weights: NDArray[np.float64]) -> Node:

@@ -13,8 +13,7 @@ being chosen: octmip.trees.tradeoff.validation. Sources: Bertsimas & Dunn (2017)
 2.4; the rule of one standard error: Breiman, Friedman, Olshen & Stone (1984), Classification and Regression Trees,
 section 3.4.3.
 
-The folds are independent: they run through joblib, so in whatever `joblib.parallel_config` says (threads, processes, a
-Dask cluster), and come out the same in all of them unless a time limit strikes.
+The folds run through joblib (threads, processes, a Dask cluster) and come out the same unless a time limit strikes.
 """
 
 import math
@@ -54,8 +53,6 @@ DEFAULT_SOLVES = 5
 """Of each path of the default choice."""
 PATH_WORK = 5e7
 """Nodes times readings that a solve of a path may take, some tenths of a second: a limit that no other work moves."""
-SOLVES_OF_BOUND = 20
-"""The bound of a tree that is not proven may take as many nodes as so many solves of a path."""
 SHARE_OF_PATHS = 0.7
 """Of the time limit of a default choice; the rest is the chosen tree's."""
 
@@ -258,8 +255,8 @@ def choose_tree(
         final, known = _fitted(problem, chosen, paths[kinds.index(chosen.family)])
         ends = -math.inf if is_interrupted else start + seconds
         left = replace(limits, nodes=math.inf, seconds=max(0.0, min(limits.seconds, ends - time.perf_counter())))
-        of_bound = SOLVES_OF_BOUND * limits.nodes
-        solution = solve_in_family(final, chosen.family, Run(method, left, seed, options=shared), known, of_bound)
+        run = Run(method, left, seed, options=shared)
+        solution = solve_in_family(final, chosen.family, run, known, limits.nodes)
     is_cart = np.array([step.family.method == "cart" for step in steps])
     expectation = together.expectation(RULES[rule], is_cart, seed)
     fold, n_left_out = fold_numbers(problem, pairs), len(kinds) - n_kinds

@@ -30,6 +30,8 @@ UNPROVEN_DEPTHS = (1, 2, 3)
 """Of hyperplanes and linear leaves."""
 MOST_BOUND_SECONDS = 10.0
 """For the bound of a searched tree; without a limit its proof could take for ever."""
+SOLVES_OF_BOUND = 20
+"""It may take the nodes of so many solves of a path."""
 SPLITS_OF_CART = 20
 """So many may CART's tree have for each node that a search may take: a split is that much less work."""
 
@@ -151,12 +153,15 @@ def trace_families(
     return paths
 
 
-def solve_in_family(problem: Problem, family: Family, run: Run, known: Node, bound_nodes: float = math.inf) -> Solution:
+def solve_in_family(
+    problem: Problem, family: Family, run: Run, known: Node, nodes_of_path: float = math.inf
+) -> Solution:
     """Return the best tree of a family for a problem with its depth; `known` is one over readings, at least as good.
 
     A bound holds for the trees that cut where the family does, and `details["scope"]` says so; where that is, for each
     feature, stands in `details["cuts"]`. Of CART's prunings `known` itself is returned. Where a tree is searched, a
-    proof of so many nodes gives the bound, and its tree where it is finished.
+    proof gives the bound, and its tree where it is finished: for some seconds, in so many times `nodes_of_path`, what a
+    solve of the path might take.
 
     Raises
     ------
@@ -164,12 +169,12 @@ def solve_in_family(problem: Problem, family: Family, run: Run, known: Node, bou
         a solver failed.
     """
     if family.method == "cart":
-        return _bounded(problem, greedy_solution(problem, known, run.seed), run, bound_nodes, keeps_tree=True)
+        return _bounded(problem, greedy_solution(problem, known, run.seed), run, nodes_of_path, keeps_tree=True)
     grid = None if family.n_cuts is None else Coarse.of(problem, family.n_cuts)
     cut, tree = (problem, known) if grid is None else (grid.problem, grid.over_intervals(known))
     found = solve_run(cut, family.run(run), tree)
     if family.method == "search":
-        found = _bounded(cut, found, run, bound_nodes)
+        found = _bounded(cut, found, run, nodes_of_path)
     if grid is None:
         return found
     assert found.tree is not None
@@ -178,14 +183,16 @@ def solve_in_family(problem: Problem, family: Family, run: Run, known: Node, bou
     return replace(found, tree=grid.over_readings(found.tree), details={**found.details, **scope})
 
 
-def _bounded(problem: Problem, found: Solution, run: Run, nodes: float, *, keeps_tree: bool = False) -> Solution:
+def _bounded(
+    problem: Problem, found: Solution, run: Run, nodes_of_path: float, *, keeps_tree: bool = False
+) -> Solution:
     """Return a solution with the bound of a proof that ends soon; proven optimal, the proof's own unless it is kept."""
     if problem.shape.split != "axis" or not problem.is_provable:
         return found
     seconds = max(0.0, min(MOST_BOUND_SECONDS, run.limits.seconds - found.seconds))
     if seconds == 0:
         return found
-    limits = replace(run.limits, seconds=seconds, nodes=nodes)
+    limits = replace(run.limits, seconds=seconds, nodes=SOLVES_OF_BOUND * nodes_of_path)
     proof = solve_run(problem, replace(run, method="exact", limits=limits), found.tree)
     if proof.meets_bound and not keeps_tree:
         return proof
