@@ -133,9 +133,6 @@ def test_the_tree_is_the_same_for_any_number_of_threads_and_any_vectors() -> Non
         assert solved_without("vectors", problem).tree == first.tree, seed
 
 
-# The exact solver under cost matrices: against enumeration, and against itself with its bounds off
-
-
 BLOCK = 30
 COST_BOUNDS = ("mixed_labels", "buckets", "cost_range", "vectors")
 

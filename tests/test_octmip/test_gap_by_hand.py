@@ -34,9 +34,6 @@ def priors(mean=(0.0,), sd=(2.0,), low=-np.inf, high=np.inf, is_discrete=(False,
     return Priors(np.array(mean), np.array(sd), bounds, np.array(is_discrete), np.zeros(n), np.arange(n), n)
 
 
-# Evidence
-
-
 @pytest.mark.parametrize(("low", "high"), [(-1.0, 3.0), (0.5, np.inf), (-np.inf, -2.0), (3.0, 4.0), (-6.0, -5.0)])
 def test_the_share_between_bounds_and_what_it_leaves_are_those_of_a_cut_normal(low, high):
     mean, sd, bounds = np.array(0.5), np.array(1.5), np.array([low, high])
@@ -74,9 +71,6 @@ def test_a_discrete_effect_has_one_scale_and_shares_its_group_with_its_like():
     (fit,) = fits_of(prior, [(0,)], np.array([[[0.7]]]), np.array([[1.9]]))
     eta, precision = 1.0 / 0.1**2 + 1.9, 0.7 + 0.1**-2
     assert fit.log_factor == pytest.approx(0.5 * (eta**2 / precision - 1.0 / 0.1**2 - np.log(precision * 0.1**2)))
-
-
-# Noise
 
 
 @pytest.mark.parametrize(
@@ -170,9 +164,6 @@ def test_only_a_load_that_scatters_otherwise_has_a_scale_of_its_own():
     assert set(same.values()) == {1.0}
 
 
-# Far-off readings
-
-
 def test_a_far_reading_is_far_from_its_neighbours_too():
     residual = np.random.default_rng(0).standard_normal((40, 2))
     residual[7, 0], residual[20:, 1] = -9.0, 9.0  # an outlier, and a gauge that has jumped
@@ -200,9 +191,6 @@ def test_a_gauge_whose_readings_never_change_has_cells_of_one_scale():
     cell_of = np.repeat([0, 1], 4)
     values = np.full((8, 2), 3.0)
     assert np.array_equal(_scale(values, cell_of), np.ones(8))
-
-
-# The evidence in its tails and under bounds, and what is left of a signature beside others, by other arithmetic
 
 
 def test_the_share_beyond_a_far_bound_keeps_its_logarithm():
@@ -241,9 +229,6 @@ def test_no_effect_imitates_another_with_a_sign_that_it_cannot_have():
     distances, needed = _distances(model, (np.array([1.0, -0.9]), np.ones(2)), 0, 1.0)
     assert needed[1] == 0.0
     assert distances[1] == 1.0
-
-
-# Quick evidences against the exact one and the dense Gaussian density
 
 
 TWIN = Beam()

@@ -92,9 +92,6 @@ def test_white_noise_raises_no_finding_and_its_size_is_right():
     assert noise.covariance[~np.eye(20, dtype=bool)].mean() == pytest.approx(60.0**2, rel=0.15)
 
 
-# Tables as they come from loggers and spreadsheets: each is read, warned of or refused with row, column and cure
-
-
 ROWS = lines_of(measured(1, loads=(0.0, 1.0, 2.0), repeats=6))
 """Row 1 is the header; rows 2 to 7 are at load factor 0, 8 to 13 at 1, 14 to 19 at 2."""
 

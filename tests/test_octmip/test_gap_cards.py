@@ -103,9 +103,6 @@ def test_the_command_takes_every_card_with_and_without_a_run(page, card, with_ru
     assert name in (*found["which"][0]["effects"], *apart)
 
 
-# Metered loads: rows that each have their own become cells of like loads
-
-
 NOMINAL = {name: own.nominal for name, own in SPRINGS.card.ranges.items()}
 
 

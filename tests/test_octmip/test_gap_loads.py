@@ -129,9 +129,6 @@ def test_a_twin_that_announces_nothing_reads_microstrain_at_a_load_factor():
     assert units_of(beam) == ("microstrain",) * 20
 
 
-# A campaign made of blocks of rows
-
-
 TWIN = function_twin(lambda p, loads: [loads["a"], loads["b"]], {"u": "mm", "v": "mm"}, {}, ("a", "b"), ("crack",))
 
 

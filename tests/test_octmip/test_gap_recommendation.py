@@ -180,9 +180,6 @@ def test_channels_that_say_nothing_are_repaired_first(gain, name):
         assert recommend(changed).startswith(beginning + end)
 
 
-# Words and numbers
-
-
 @pytest.mark.parametrize("name", sorted(CHAIN))
 def test_every_effect_of_the_measuring_chain_has_its_words(name):
     chosen = CHAIN[name]

@@ -137,9 +137,6 @@ def test_a_run_without_repeats_takes_the_noise_of_the_campaign():
     assert any("campaign's is used" in note for note in diagnosis.notes)
 
 
-# Readings that wander from load to load: weighed against effects by campaign and commissioning run together
-
-
 @pytest.fixture(scope="module")
 def sound():
     return diagnose(measured(12, noise=walking()), TWIN, commissioning=measured(1012, noise=walking()))

@@ -28,9 +28,6 @@ def problem_with_missing(seed):
     return with_missing(rng, random_problem(rng))
 
 
-# The rule at one split
-
-
 def test_a_missing_reading_goes_to_the_side_that_the_split_names():
     features = np.array([[0.5], [NAN], [2.5], [3.5], [NAN]])
     assert goes_left(Split(0, 2.5, Leaf(0), Leaf(1), missing="left"), features).tolist() == [1, 1, 1, 0, 1]
@@ -70,9 +67,6 @@ def test_a_split_is_said_with_its_side():
     assert words(threshold=1.5, missing="right") == words(threshold=1.5) == "x0 <= 1.5"
     assert words(threshold=None, missing="left") == "x0 is missing"
     assert words(threshold=None, missing="right") == "x0 is not missing"
-
-
-# Sides and thresholds of a solved tree
 
 
 def test_where_nothing_was_missing_the_heavier_side_takes_it():
@@ -120,9 +114,6 @@ def test_extremes_of_float64_have_room_for_what_is_missing():
     assert solve(problem).objective == 0
 
 
-# All methods
-
-
 def test_what_counts_on_every_reading_refuses_a_problem_that_lacks_some():
     problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1)
     with pytest.raises(ProblemError, match=r"1 reading is missing \(NaN\), and .*; expected every reading; "):
@@ -134,9 +125,6 @@ def test_a_tree_without_a_side_where_some_are_missing_has_no_certificate():
     claim = Solution(Split(0, 1.5, Leaf(0), Leaf(1)), 0.0, 0.0, Stop.OPTIMAL, 0.0, 0, "hand", "1", 0)
     with pytest.raises(CertificateError, match="no side for missing readings"):
         certify(problem, claim)
-
-
-# Proof logs
 
 
 def test_a_log_belongs_to_its_missing_readings(tmp_path):
@@ -160,9 +148,6 @@ def test_a_problem_file_holds_null_for_what_is_missing_and_the_checker_knows_its
     assert file["version"] == 2
     assert encode(Problem([[1.0], [0.0]], [0, 1], depth=1, takes_missing=True))["version"] == 1
     assert checker_question(problem).digests() == (data_digest(problem), question_digest(problem))
-
-
-# The estimator
 
 
 def gapped(n: int = 60) -> tuple[np.ndarray, np.ndarray]:

@@ -154,9 +154,6 @@ def test_a_log_of_a_solver_proves_its_bound_and_no_corruption_that_changes_the_c
     assert not [seed for seed in range(first, first + 20) if corrupted(kind, seed)[1] == "wrong"]
 
 
-# Problem files and digests: what a program without Python reads is the problem that was asked
-
-
 def problems() -> list[Problem]:
     """Return random problems of both kinds of splits, with every complication."""
     streams = [np.random.default_rng([91, seed]) for seed in range(30)]
@@ -185,9 +182,6 @@ def test_a_file_holds_every_number_to_the_last_bit() -> None:
         assert np.array_equal(file["costs"], problem.costs)
         assert file["labels"] == problem.samples.codes.tolist()
         assert file["sensor_limit"] == (problem.shape.sensor_limit if np.isfinite(problem.shape.sensor_limit) else None)
-
-
-# `octmip-check` reads mangled logs and problem files: refused in one line, or accepted for what is true
 
 
 @pytest.fixture(scope="module")

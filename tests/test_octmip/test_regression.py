@@ -197,9 +197,6 @@ def test_leaves_of_a_least_size_with_room_in_the_nodes_are_those_of_a_list_of_al
         assert solution.objective == pytest.approx(float(least_objective(problem)), rel=1e-12)
 
 
-# What the search for regression trees asks at a node: each choice on samples made to decide it
-
-
 SQUARE = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]])
 
 

@@ -136,9 +136,6 @@ def test_a_memory_limit_stops_the_search_with_a_tree_and_a_bound() -> None:
     assert solution.stop is Stop.MEMORY
 
 
-# Proof logs of two-feature trees: accepted where they are true, refused with line and reason elsewhere
-
-
 def test_logs_of_larger_problems_are_checked_on_several_threads(tmp_path: Path) -> None:
     path = tmp_path / "proof.log"
     for seed in (2, 6, 9):
@@ -167,9 +164,6 @@ def test_deeper_trees_have_no_logs() -> None:
     problem = Problem(np.eye(4), [0, 1, 0, 1], depth=3, split="hyperplane", split_size=2)
     with pytest.raises(ProblemError, match="depth 3 with 2 features per split has no proof log"):
         check_proof(problem, "nowhere.log")
-
-
-# Every prune and bound of the two-feature core can be switched off, and the optimum stays
 
 
 PRUNES = _native.two_feature_prunes()
