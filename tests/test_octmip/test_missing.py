@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split, predict, solve
-from octmip.errors import CertificateError, ProblemError, TreeError
+from octmip.errors import CertificateError, TreeError
 from octmip.trees.answer.certificate import certify
 from octmip.trees.answer.solution import Solution, Stop
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
@@ -49,14 +49,6 @@ def test_a_split_without_a_side_refuses_what_is_missing():
     plane = HyperplaneSplit((0, 1), (1.0, 1.0), 1.0, Leaf(0), Leaf(1))
     with pytest.raises(TreeError, match=r"row 3 lacks its reading of one of the features \(0, 1\)"):
         predict(plane, np.hstack([np.nan_to_num(features, nan=1.0), features])[[0, 0, 0, 1]])
-
-
-@pytest.mark.parametrize(
-    ("threshold", "missing", "reason"), [(None, None, "neither a threshold nor a side"), (1.0, "up", "go to 'up'")]
-)
-def test_a_split_that_says_nothing_is_refused(threshold, missing, reason):
-    with pytest.raises(TreeError, match=reason):
-        Split(0, threshold, Leaf(0), Leaf(1), missing=missing)
 
 
 def test_a_split_is_said_with_its_side():
@@ -112,12 +104,6 @@ def test_extremes_of_float64_have_room_for_what_is_missing():
     most = np.finfo(np.float64).max
     problem = Problem([[-most], [most], [NAN], [0.0]], [0, 1, 2, 0], depth=2)
     assert solve(problem).objective == 0
-
-
-def test_what_counts_on_every_reading_refuses_a_problem_that_lacks_some():
-    problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1)
-    with pytest.raises(ProblemError, match=r"1 reading is missing \(NaN\), and .*; expected every reading; "):
-        solve(problem.replace(split="hyperplane"), "oct_h")
 
 
 def test_a_tree_without_a_side_where_some_are_missing_has_no_certificate():

@@ -14,12 +14,11 @@ from octmip.trees.methods.native_call import without
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.nodes.tree import HyperplaneSplit, Split, splits
-from octmip.trees.question.problem import Problem as AnyProblem
 from tests.oracles.rational import least_cost
 from tests.oracles.two_feature_problems import clouds, random_two_feature_problem
 
 
-def solve_and_certify(problem: AnyProblem, **options: object) -> float:
+def solve_and_certify(problem: Problem, **options: object) -> float:
     solution = two_feature_branch_and_bound(problem, **options)
     certify(problem, solution)
     assert solution.is_optimal, solution
