@@ -92,11 +92,7 @@ def test_a_simple_effect_says_four_things_and_is_found():
     slack = SimpleEffect("slack", "mm", 0.1, lambda readings, size: readings + np.array([size, 0.7 * size, 0.0]))
     assert isinstance(slack, Effect)
     given = measured(3)
-    readings = given.readings + np.array([0.15, 0.7 * 0.15, 0.0])
-    campaign = Campaign(
-        given.gauges, (), given.test, given.load_factor, given.states, readings, given.time, given.temperature,
-        load_names=given.load_names,
-    )  # fmt: skip
+    campaign = replace(given, readings=given.readings + np.array([0.15, 0.7 * 0.15, 0.0]))
     diagnosis = diagnose(campaign, TWIN, {**TWIN.effects, "slack": slack})
     (found,) = diagnosis.which[0].parameters
     assert found.effect == "slack"
