@@ -25,9 +25,6 @@ def aircraft(tmp_path_factory: pytest.TempPathFactory) -> Aircraft:
         return build_aircraft(tmp_path_factory.mktemp("mission"), depth=2)
 
 
-# The wing and the course
-
-
 def test_a_table_twin_is_the_wing_at_its_levels_and_close_between_them(aircraft: Aircraft):
     columns = [aircraft.wing.gauges.names.index(gauge) for gauge in aircraft.gauges]
     reduced = aircraft.twin.effects["damage_outside_library"].twin
@@ -37,9 +34,6 @@ def test_a_table_twin_is_the_wing_at_its_levels_and_close_between_them(aircraft:
     bound = reduced.error_bound(at_level, 1.0)[:, columns]
     assert (np.abs(aircraft.strains(at_level) - exact) <= bound).all()
     assert aircraft.strains(between) == pytest.approx(near, abs=0.5)
-
-
-# Missions
 
 
 def test_policies_keep_their_order(aircraft: Aircraft):
@@ -59,9 +53,6 @@ def test_policies_keep_their_order(aircraft: Aircraft):
     assert lost["filter", "limit", 0.02] <= lost["filter", "limit", 0.1]
     assert cost[oracle] <= cost[planner] < min(cost[one] for one in cost if one not in (oracle, planner))
     assert steps[oracle] <= steps[planner] <= steps[always] == WIDE_STEPS
-
-
-# The watch and the forecast
 
 
 def test_damage_at_two_gauges_is_told_by_the_watch_and_not_one_gauge_at_a_time(aircraft: Aircraft, monkeypatch):

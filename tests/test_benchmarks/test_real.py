@@ -86,9 +86,6 @@ def test_the_commissioning_run_of_the_asset_is_called_sound(wing, with_itself):
     assert found.which[0].probability > 0.9
 
 
-# Real machines, blind: the twins of the sets, the form of the answers
-
-
 DATA = Path(__file__).parents[2].parent / "shared" / "real"
 NOTHING = np.zeros(2)
 

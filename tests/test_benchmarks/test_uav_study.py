@@ -3,12 +3,10 @@
 import json
 from pathlib import Path
 
-import pytest
-
 from benchmarks.uav import study
 from benchmarks.uav.report import write_results
-from femlib.dataset import Dataset, Recipe, build_dataset, simulated_strains
-from femlib.wing import Wing, uav_wing
+from femlib.dataset import Recipe, build_dataset, simulated_strains
+from femlib.wing import uav_wing
 
 TASKS = (
     study.Task("axis", ("all",), (2,), study.METHODS),
@@ -19,26 +17,12 @@ TASKS = (
 )
 
 
-@pytest.fixture(scope="module")
-def wing() -> Wing:
-    return uav_wing(refinement=0.25)
-
-
-@pytest.fixture(scope="module")
-def data(wing: Wing) -> Dataset:
-    return build_dataset(simulated_strains(wing), Recipe(samples_per_state=8), seed=1)
-
-
-@pytest.fixture(scope="module")
-def results(wing: Wing, data: Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("uav")
+def test_no_method_is_below_the_proven_optimum(tmp_path: Path) -> None:
+    wing = uav_wing(refinement=0.25)
+    data = build_dataset(simulated_strains(wing), Recipe(samples_per_state=8), seed=1)
     outcomes = study.run_study(data, study.StudyLimits(10.0, 0.3), seed=1, n_jobs=1, tasks=TASKS)
-    write_results(folder, wing, simulated_strains(wing), None, data, outcomes, 0.0)
-    return folder
-
-
-def test_no_method_is_below_the_proven_optimum(results: Path) -> None:
-    rows = json.loads((results / "table.json").read_text())
+    write_results(tmp_path, wing, simulated_strains(wing), None, data, outcomes, 0.0)
+    rows = json.loads((tmp_path / "table.json").read_text())
     proven = {_task(row): row["objective"] for row in rows if row["method"] == "exact"}
     assert all(row["objective"] >= proven[_task(row)] for row in rows)
     assert all(row["bound"] is None or row["bound"] <= proven[_task(row)] for row in rows)

@@ -13,7 +13,6 @@ PUBLISHED = SHARED / "uav" / "strains.csv"
 
 @pytest.fixture(scope="session")
 def wing() -> Wing:
-    """The wing at its default mesh."""
     return uav_wing()
 
 
@@ -37,13 +36,11 @@ def tiny() -> Wing:
 
 @pytest.fixture(scope="session")
 def tiny_reduced(tiny: Wing) -> ReducedWing:
-    """Its reduced model."""
     return reduce_wing(tiny)
 
 
 @pytest.fixture(scope="session")
 def simulated(wing: Wing) -> MeanStrains:
-    """Mean strains of the 25 states from the wing."""
     return simulated_strains(wing)
 
 

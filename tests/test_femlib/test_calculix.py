@@ -12,22 +12,16 @@ from femlib.wing import Wing, tapered_wing, uav_wing
 from femlib.wing.export.calculix import read_gauges, write_deck
 
 
-@pytest.fixture(scope="module")
-def deck(coarse: Wing, tmp_path_factory: pytest.TempPathFactory) -> list[str]:
-    path = tmp_path_factory.mktemp("deck") / "wing.inp"
-    write_deck(coarse, path, {"mu1": 0.5}, 3.0, warming=-20.0, large_deflection=True)
-    assert [p.name for p in path.parent.iterdir()] == ["wing.inp"]
-    return path.read_text().splitlines()
-
-
 def block(lines: list[str], start: str) -> list[str]:
     first = next(k for k, line in enumerate(lines) if line.startswith(start)) + 1
     length = next(k for k, line in enumerate(lines[first:]) if line.startswith("*"))
     return lines[first : first + length]
 
 
-def test_the_deck_has_every_element_and_the_whole_load(coarse: Wing, deck: list[str]) -> None:
-    mesh = coarse.structure.shells.mesh
+def test_the_deck_has_every_element_and_the_whole_load(coarse: Wing, tmp_path: Path) -> None:
+    write_deck(coarse, tmp_path / "wing.inp", {"mu1": 0.5}, 3.0, warming=-20.0, large_deflection=True)
+    assert [path.name for path in tmp_path.iterdir()] == ["wing.inp"]
+    deck, mesh = (tmp_path / "wing.inp").read_text().splitlines(), coarse.structure.shells.mesh
     assert len(block(deck, "*ELEMENT, TYPE=S8R")) == len(mesh.quads)
     assert len(block(deck, "*ELEMENT, TYPE=S6")) == len(mesh.trias)
     loads = np.array([line.split(",") for line in block(deck, "*CLOAD")], dtype=float)

@@ -1,5 +1,7 @@
 """A mesh refuses what the elements cannot bear, with the element's number."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -9,17 +11,9 @@ from femlib.mesh import Mesh
 from tests.test_femlib.plates import grid_mesh
 
 
-def one_quad(corners: list[list[float]]) -> Mesh:
-    """A sound square as element 0 and the given one as element 1."""
-    sound = [[0, 0, 9], [1, 0, 9], [1, 1, 9], [0, 1, 9]]
-    quads = np.arange(8).reshape(2, 4)
-    return Mesh(
-        np.array(sound + corners, dtype=float),
-        quads,
-        np.zeros((0, 3), dtype=np.int64),
-        ("p",),
-        np.zeros(2, dtype=np.int64),
-    )
+def of_quads(nodes: Sequence[Sequence[float]], quads: Sequence[Sequence[int]]) -> Mesh:
+    none = np.zeros((0, 3), dtype=np.int64)
+    return Mesh(np.array(nodes, dtype=float), np.array(quads), none, ("p",), np.zeros(len(quads), dtype=np.int64))
 
 
 @pytest.mark.parametrize(
@@ -34,7 +28,7 @@ def one_quad(corners: list[list[float]]) -> Mesh:
 )
 def test_a_bad_element_is_refused_by_number(corners: list[list[float]], sentence: str) -> None:
     with pytest.raises(MeshError, match=sentence):
-        one_quad(corners)
+        of_quads([[0, 0, 9], [1, 0, 9], [1, 1, 9], [0, 1, 9], *corners], [[0, 1, 2, 3], [4, 5, 6, 7]])
 
 
 def test_area_vectors_point_to_the_top_side() -> None:
@@ -61,8 +55,5 @@ def test_an_element_turned_over_is_refused_by_number(shape: str) -> None:
 
 
 def test_three_elements_may_meet_at_an_edge() -> None:
-    nodes = np.array(
-        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, -1, 0], [1, -1, 0], [0, 0, 1], [1, 0, 1]], dtype=float
-    )
-    quads = np.array([[0, 1, 3, 2], [0, 1, 5, 4], [0, 1, 7, 6]])
-    assert Mesh(nodes, quads, np.zeros((0, 3), dtype=np.int64), ("p",), np.zeros(3, dtype=np.int64)).n_elements == 3
+    nodes = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, -1, 0], [1, -1, 0], [0, 0, 1], [1, 0, 1]]
+    assert of_quads(nodes, [[0, 1, 3, 2], [0, 1, 5, 4], [0, 1, 7, 6]]).n_elements == 3

@@ -4,27 +4,19 @@ import numpy as np
 import pytest
 
 from femlib.material import isotropic_plate
-from femlib.mesh import Mesh
 from femlib.sensors import StrainGauge, strain_rows
 from tests.test_femlib.plates import grid_mesh, patch
 
 THICKNESS = 2e-3
 
 
-@pytest.fixture
-def mesh() -> Mesh:
-    return grid_mesh(np.array([0.0, 0.1, 0.25, 0.4]), np.array([0.0, 0.15, 0.2, 0.4]))
-
-
-def gauge(x: float, y: float, direction: tuple[float, float, float], side: float = 0.0) -> StrainGauge:
-    return StrainGauge("s", np.array([x, y, 0.0]), np.array(direction), ("plate",), side)
-
-
-def test_a_linear_strain_field_is_read_exactly(mesh: Mesh) -> None:
+def test_a_linear_strain_field_is_read_exactly() -> None:
+    mesh = grid_mesh(np.array([0.0, 0.1, 0.25, 0.4]), np.array([0.0, 0.15, 0.2, 0.4]))
+    gauge = StrainGauge("s", np.array([0.17, 0.17, 0.0]), np.array([1.0, 0.0, 0.0]), ("plate",))
     x, y, _ = mesh.nodes.T
     u = np.zeros((len(x), 6))
     u[:, 0] = x + 2 * x * y  # exx = 1 + 2 y, bilinear: the elements hold it exactly
-    row = strain_rows(mesh, np.full(mesh.n_elements, THICKNESS), [gauge(0.17, 0.17, (1, 0, 0))])
+    row = strain_rows(mesh, np.full(mesh.n_elements, THICKNESS), [gauge])
     assert (row @ u.ravel())[0] == pytest.approx(1 + 2 * 0.17, rel=1e-12)
 
 

@@ -15,7 +15,6 @@ from femlib.dataset import (
     Recipe,
     Sampling,
     StateLibrary,
-    StoredDataset,
     grid_states,
     listed_states,
     open_dataset,
@@ -84,15 +83,11 @@ def test_rows_are_the_models_strains_divided_by_the_load(tmp_path: Path) -> None
     assert rows["state"].value_counts().tolist() == [4, 4, 4, 4]
 
 
-def wing_rows(tiny: Wing, path: Path, n_jobs: int | None = None) -> StoredDataset:
-    return stream_dataset(path, tiny, library(), noisy(), n_jobs=n_jobs)
-
-
 def test_threads_and_processes_write_the_same_rows_as_one_job(tiny: Wing, tmp_path: Path) -> None:
-    alone = wing_rows(tiny, tmp_path / "alone.parquet")
+    alone = stream_dataset(tmp_path / "alone.parquet", tiny, library(), noisy())
     for backend in ("threading", "loky"):
         with joblib.parallel_config(backend=backend):
-            other = wing_rows(tiny, tmp_path / f"{backend}.parquet", n_jobs=2)
+            other = stream_dataset(tmp_path / f"{backend}.parquet", tiny, library(), noisy(), n_jobs=2)
         assert other.about["sha256"] == alone.about["sha256"]
 
 

@@ -11,15 +11,10 @@ from femlib.geometry import Planform
 from femlib.wing import FlightPoint, Wing, uav_wing
 from femlib.wing.model import reshaped
 from femlib.wing.structure import WingMaterials
-from femlib.wing.trim import TrimmedWing, harmonic_lift, lifting_line, trim_wing, twist_rows
+from femlib.wing.trim import harmonic_lift, lifting_line, trim_wing, twist_rows
 
 STATES = np.array([[0.0, 0.0], [0.8, 0.3]])
 FAST = FlightPoint(airspeed=60.0)
-
-
-@pytest.fixture(scope="module")
-def trimmed(tiny: Wing) -> TrimmedWing:
-    return trim_wing(tiny, FAST, 2.0)
 
 
 def test_a_uniform_wing_of_lone_strips_diverges_at_the_pressure_of_a_uniform_beam() -> None:
@@ -77,8 +72,8 @@ def fixed_point(wing: Wing, state: FloatArray, pressure: float, factor: float, n
     return np.asarray(force)
 
 
-def test_trim_is_the_fixed_point_of_the_full_wing_at_the_same_lift(tiny: Wing, trimmed: TrimmedWing) -> None:
-    state = STATES[1]
+def test_trim_is_the_fixed_point_of_the_full_wing_at_the_same_lift(tiny: Wing) -> None:
+    trimmed, state = trim_wing(tiny, FAST, 2.0), STATES[1]
     force = fixed_point(tiny, state, 0.5 * 1.225 * 60.0**2, 2.0)
     found = trimmed.lift(state)
     np.testing.assert_allclose(found, force, atol=1e-5 * np.abs(force).max())

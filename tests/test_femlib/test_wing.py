@@ -119,11 +119,6 @@ def test_the_model_hash_tells_models_apart(tiny: Wing, coarse: Wing) -> None:
     assert tiny.model_hash != coarse.model_hash
 
 
-@pytest.fixture(scope="module")
-def tapered() -> Wing:
-    return tapered_wing(refinement=0.3)
-
-
 def test_all_28_regions_lie_on_rib_bays() -> None:
     library = damage_library()
     assert len(library) == 28
@@ -134,7 +129,8 @@ def test_all_28_regions_lie_on_rib_bays() -> None:
     assert wing.gauges.is_usable.sum() == 20
 
 
-def test_the_tapered_wing_is_another_one_of_the_same_names(tiny: Wing, tapered: Wing) -> None:
+def test_the_tapered_wing_is_another_one_of_the_same_names(tiny: Wing) -> None:
+    tapered = tapered_wing(refinement=0.3)
     assert tapered.gauge_names == tiny.gauge_names
     assert tapered.parameters == tiny.parameters
     assert tapered.model_hash != tiny.model_hash

@@ -93,9 +93,6 @@ def test_the_command_shows_them_in_training_and_on_rows_held_out(as_json, tmp_pa
         assert "errors held out" in out
 
 
-# Held-out samples: the rows follow from labels, share and seed alone, and both trees are counted by hand
-
-
 def test_each_class_gives_its_share_but_never_its_last_row():
     labels = np.array(["a"] * 40 + ["b"] * 10 + ["c"])
     is_held = held_out_rows(labels, 0.25, seed=3)

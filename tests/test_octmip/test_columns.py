@@ -222,9 +222,6 @@ def test_every_permutation_of_rows_gives_the_same_columns():
         assert Columns.learn(table.iloc[list(order)]) == wanted
 
 
-# Sets of texts in one split: proven against a list of all trees, in the words of the table, kept by files
-
-
 COLOURS = pd.DataFrame({"colour": ["red", "blue", "green", "blue", "grey", "red"]})
 STATE = np.array(["hot", "hot", "cold", "hot", "cold", "hot"])
 

@@ -69,9 +69,6 @@ def test_no_objective_overflows_whatever_the_numbers(settings):
     assert 0 <= problem.baseline - held <= costs.tolerance + 1e-15 * problem.baseline
 
 
-# Weights and costs as whole numbers: exact where they can be, rounded down and said so elsewhere
-
-
 X, Y = np.arange(6.0)[:, None], [0, 1, 0, 1, 1, 0]
 
 

@@ -9,7 +9,6 @@ from octmip import ClassCosts, Leaf, Problem, Solution, certify
 from octmip.trees import _native
 from octmip.trees.answer.solution import Limits, Stop
 from octmip.trees.evidence.proof import check_proof
-from octmip.trees.methods import native_call
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.native_call import without
 from octmip.trees.methods.options import ExactOptions
@@ -20,9 +19,9 @@ from tests.oracles.rational import least_cost
 from tests.oracles.strategies import random_problem
 
 
-def solved_without(prune: str, problem: Problem, limits: Limits | None = None) -> Solution:
-    with native_call.without(prune):
-        return branch_and_bound(problem, limits=limits or Limits())
+def solved_without(problem: Problem, *prunes: str) -> Solution:
+    with without(*prunes):
+        return branch_and_bound(problem)
 
 
 @pytest.mark.parametrize("prune", _native.prunes())
@@ -30,17 +29,16 @@ def test_the_optimum_stays_with_a_prune_switched_off(prune: str) -> None:
     for seed in range(1000, 1020):
         problem = random_problem(np.random.default_rng(seed), max_samples=12)
         least = branch_and_bound(problem, n_jobs=1 + seed % 2).objective
-        assert solved_without(prune, problem).objective == pytest.approx(least, rel=1e-12), seed
+        assert solved_without(problem, prune).objective == pytest.approx(least, rel=1e-12), seed
     for seed in range(6):
         problem = larger(seed, classes=2 + seed % 4)
-        assert solved_without(prune, problem).objective == branch_and_bound(problem).objective, seed
+        assert solved_without(problem, prune).objective == branch_and_bound(problem).objective, seed
 
 
 def test_the_optimum_stays_with_every_prune_switched_off() -> None:
     for seed in range(2000, 2012):
         problem = random_problem(np.random.default_rng(seed), max_samples=12).replace(depth=3)
-        with native_call.without(*_native.prunes()):
-            found = branch_and_bound(problem).objective
+        found = solved_without(problem, *_native.prunes()).objective
         assert found == pytest.approx(optimum(problem).objective, rel=1e-12), seed
 
 
@@ -78,7 +76,7 @@ def test_equal_samples_are_searched_as_one_and_logged_as_many(costs: np.ndarray 
         allowed_splits=[[0], [1]],
     )
     solution = branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "proof.log"))
-    apart = solved_without("merging", problem)
+    apart = solved_without(problem, "merging")
     assert (solution.objective, solution.bound) == (apart.objective, apart.bound)
     assert check_proof(problem, tmp_path / "proof.log", bound=solution.bound).bound == solution.objective
     assert solution.n_nodes < apart.n_nodes * 1.5
@@ -107,7 +105,7 @@ def test_what_equal_samples_of_all_classes_gain_is_taken_from_the_search_not_fro
 ) -> None:
     problem = unclear(3, n_classes, **options)
     found = branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "log"))
-    whole = solved_without("cancelling", problem)
+    whole = solved_without(problem, "cancelling")
     assert (found.objective, found.bound, found.stop) == (whole.objective, whole.bound, Stop.OPTIMAL)
     assert check_proof(problem, tmp_path / "log", bound=found.bound).bound == found.objective
 
@@ -130,10 +128,7 @@ def test_the_tree_is_the_same_for_any_number_of_threads_and_any_vectors() -> Non
         first = branch_and_bound(problem)
         assert branch_and_bound(problem, n_jobs=2).tree == first.tree, seed
         assert branch_and_bound(problem, n_jobs=2).n_nodes == first.n_nodes, seed
-        assert solved_without("vectors", problem).tree == first.tree, seed
-
-
-# The exact solver under cost matrices: against enumeration, and against itself with its bounds off
+        assert solved_without(problem, "vectors").tree == first.tree, seed
 
 
 BLOCK = 30
@@ -171,9 +166,7 @@ def test_the_optimum_stays_without_the_bounds_of_costs(first):
     for seed in range(first, first + BLOCK):
         rng = np.random.default_rng([72, seed])
         problem = cost_problem(rng, int(rng.integers(30, 90)), int(rng.integers(1, 5)), int(rng.integers(2, 4)))
-        solution = branch_and_bound(problem)
-        with without(*COST_BOUNDS):
-            plain = branch_and_bound(problem)
+        solution, plain = branch_and_bound(problem), solved_without(problem, *COST_BOUNDS)
         assert certify(problem, solution).objective == solution.bound == plain.objective == plain.bound, f"seed {seed}"
 
 
@@ -183,8 +176,7 @@ def test_every_bound_of_costs_is_valid_by_itself(seed):
     problem = cost_problem(rng, int(rng.integers(40, 80)), 1 + seed % 10, 3)
     least = branch_and_bound(problem).objective
     for kept in COST_BOUNDS:
-        with without(*(name for name in COST_BOUNDS if name != kept)):
-            alone = branch_and_bound(problem)
+        alone = solved_without(problem, *(name for name in COST_BOUNDS if name != kept))
         assert alone.objective == alone.bound == least, kept
 
 
@@ -231,9 +223,7 @@ def test_many_classes_cost_the_same_by_histograms_and_by_walks(n_classes: int, t
     features, labels = rng.normal(size=(160, 4)).round(1), rng.integers(0, n_classes, 160)
     costs = rng.integers(1, top + 1, (n_classes, n_classes)) * (1 - np.eye(n_classes))
     problem = Problem(features, labels, depth=2, loss=ClassCosts(costs))
-    with without("buckets"):
-        walked = branch_and_bound(problem)
-    found = branch_and_bound(problem)
+    found, walked = branch_and_bound(problem), solved_without(problem, "buckets")
     assert found.is_optimal
     assert found.objective == walked.objective == problem.objective(found.tree)
 

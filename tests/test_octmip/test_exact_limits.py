@@ -136,9 +136,6 @@ def test_the_tables_are_reckoned_no_smaller_than_they_become(shape: tuple[int, .
     assert 0.25 * reckoned < peak < reckoned
 
 
-# Weights and costs that span many orders of magnitude: the optimum, or a bound that holds
-
-
 BLOCK = 30
 
 

@@ -120,9 +120,6 @@ def test_a_page_shows_every_name_and_runs_none(browser, tmp_path):
     assert set(run_page(NAMES, browser, tmp_path)) == {EXACT}
 
 
-# Names that a target cannot hold, and trees that names do not cover
-
-
 @pytest.mark.parametrize("name", ["a\0b", "\ud800"])
 def test_a_column_that_no_database_takes_is_refused(name):
     with pytest.raises(TreeError, match="for the name of a column; rename"):
@@ -157,8 +154,6 @@ def test_a_function_is_not_called_by_a_word_of_c(name):
     with pytest.raises(TreeError, match="is no C name"):
         c_source(Leaf(0), ["a"], ["x"], name=name)
 
-
-# Depth, breadth and extreme numbers
 
 EXTREMES = [5e-324, 2.2250738585072014e-308, 1e-300, 0.1, 2.0**53 + 2, 1e22, 2.0**63, 1e300, 1e308, sys.float_info.max]
 THRESHOLDS = sorted([*EXTREMES, *(-t for t in EXTREMES)])

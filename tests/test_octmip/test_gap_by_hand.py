@@ -21,7 +21,7 @@ from octmip.gap.campaign.spectrum import WHITE
 from octmip.gap.channels.outliers import _far, _is_skewed, _scale
 from octmip.gap.inference.candidates import SCALES, Priors
 from octmip.gap.inference.confounding import _distances, conditional_gram
-from octmip.gap.inference.evidence import _between, _gaussians, alike, extensions, fits_of, log_between
+from octmip.gap.inference.evidence import _between, alike, extensions, fits_of, log_between
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import linearise
@@ -32,9 +32,6 @@ def priors(mean=(0.0,), sd=(2.0,), low=-np.inf, high=np.inf, is_discrete=(False,
     n = len(mean)
     bounds = np.array([[low] * n, [high] * n])
     return Priors(np.array(mean), np.array(sd), bounds, np.array(is_discrete), np.zeros(n), np.arange(n), n)
-
-
-# Evidence
 
 
 @pytest.mark.parametrize(("low", "high"), [(-1.0, 3.0), (0.5, np.inf), (-np.inf, -2.0), (3.0, 4.0), (-6.0, -5.0)])
@@ -60,12 +57,15 @@ def test_evidence_of_one_size_is_the_mean_of_three_gaussians():
     assert fit.covariance[0, 0] == pytest.approx(spread)
 
 
-def test_a_size_of_one_side_has_the_evidence_of_its_integral():
+def test_a_size_of_one_side_has_the_evidence_the_mean_and_the_variance_of_its_integral():
     size = np.linspace(0.0, 60.0, 400_001)
     density = np.mean([2.0 * norm.pdf(size, scale=2.0 * s) for s in SCALES], axis=0)
     (fit,) = fits_of(priors(low=0.0), [(0,)], np.array([[[0.7]]]), np.array([[-0.4]]))
-    integral = np.trapezoid(np.exp(-0.4 * size - 0.35 * size**2) * density, size)
+    weight = np.exp(-0.4 * size - 0.35 * size**2) * density
+    integral, first, second = (np.trapezoid(weight * size**power, size) for power in range(3))
     assert fit.log_factor == pytest.approx(np.log(integral), abs=1e-6)
+    assert fit.size[0] == pytest.approx(first / integral, rel=1e-6)
+    assert fit.covariance[0, 0] == pytest.approx(second / integral - (first / integral) ** 2, rel=1e-6)
 
 
 def test_a_discrete_effect_has_one_scale_and_shares_its_group_with_its_like():
@@ -74,9 +74,6 @@ def test_a_discrete_effect_has_one_scale_and_shares_its_group_with_its_like():
     (fit,) = fits_of(prior, [(0,)], np.array([[[0.7]]]), np.array([[1.9]]))
     eta, precision = 1.0 / 0.1**2 + 1.9, 0.7 + 0.1**-2
     assert fit.log_factor == pytest.approx(0.5 * (eta**2 / precision - 1.0 / 0.1**2 - np.log(precision * 0.1**2)))
-
-
-# Noise
 
 
 @pytest.mark.parametrize(
@@ -170,9 +167,6 @@ def test_only_a_load_that_scatters_otherwise_has_a_scale_of_its_own():
     assert set(same.values()) == {1.0}
 
 
-# Far-off readings
-
-
 def test_a_far_reading_is_far_from_its_neighbours_too():
     residual = np.random.default_rng(0).standard_normal((40, 2))
     residual[7, 0], residual[20:, 1] = -9.0, 9.0  # an outlier, and a gauge that has jumped
@@ -202,9 +196,6 @@ def test_a_gauge_whose_readings_never_change_has_cells_of_one_scale():
     assert np.array_equal(_scale(values, cell_of), np.ones(8))
 
 
-# The evidence in its tails and under bounds, and what is left of a signature beside others, by other arithmetic
-
-
 def test_the_share_beyond_a_far_bound_keeps_its_logarithm():
     above = np.array([[0.0], [math.inf]])
     below = np.array([[-math.inf], [0.0]])
@@ -212,14 +203,6 @@ def test_the_share_beyond_a_far_bound_keeps_its_logarithm():
         expected = pytest.approx(float(log_ndtr(-40.0)), rel=1e-12)
         assert log_between(np.array([-40.0 * sd]), np.array([sd]), above)[0] == expected
         assert log_between(np.array([40.0 * sd]), np.array([sd]), below)[0] == expected
-
-
-def test_a_size_that_cannot_be_negative_has_the_variance_of_half_a_normal():
-    one = np.ones((1, 1))
-    bounds = np.array([[[0.0]], [[math.inf]]])
-    _, size, covariance = _gaussians(one[None], 0 * one, 0 * one, one, bounds)
-    assert size[0, 0] == pytest.approx(math.sqrt(0.5 * 2 / math.pi))
-    assert covariance[0, 0, 0] == pytest.approx(0.5 * (1 - 2 / math.pi))
 
 
 def test_what_is_left_of_a_signature_beside_another_is_a_residual_of_least_squares():
@@ -241,9 +224,6 @@ def test_no_effect_imitates_another_with_a_sign_that_it_cannot_have():
     distances, needed = _distances(model, (np.array([1.0, -0.9]), np.ones(2)), 0, 1.0)
     assert needed[1] == 0.0
     assert distances[1] == 1.0
-
-
-# Quick evidences against the exact one and the dense Gaussian density
 
 
 TWIN = Beam()

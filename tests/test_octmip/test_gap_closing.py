@@ -106,9 +106,6 @@ def test_a_signature_may_be_known_better_at_one_reading_than_at_another():
     assert (error[(inference.model.gauge >= 10) & (np.array(inference.model.loads) > 0.0)] > 0.0).all()
 
 
-# Sizes as they are told: through an exact forward map, and no surer than the place is known
-
-
 class Softer(Field):
     """All strains divided by 1 + size / 100."""
 

@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from octmip.errors import DataError, TwinError
-from octmip.gap import Campaign, Recorded, diagnose, function_twin, gathered, read_campaign
+from octmip.gap import Campaign, diagnose, function_twin, read_campaign
 from octmip.gap.campaign.campaign import ENOUGH_FOR_HALVES
 from octmip.gap.campaign.metered import MOST_LOADS, gathered_alike, looked_at
 from octmip.gap.campaign.noise_estimate import _moderated
@@ -30,7 +30,7 @@ from octmip.gap.next_test import next_tests
 from octmip.gap.preparation import _histories, _typical
 from octmip.twin import Loads
 from tests.test_octmip.beam_twin import Beam, measured, own_effects
-from tests.test_octmip.test_gap_built import SPRINGS
+from tests.test_octmip.test_gap_built import at_forces
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell, write
 
 
@@ -187,12 +187,7 @@ def test_the_typical_reading_of_a_unit_is_a_root_mean_square():
 def test_the_shorter_of_two_series_says_how_many_loads_they_are_gathered_around():
     """Twelve rows for each, twenty at most."""
     rng = np.random.default_rng(0)
-    long, short = (
-        gathered(
-            SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in rng.uniform(1.0, 9.0, n).tolist()]
-        )
-        for n in (600, 120)
-    )
+    long, short = (at_forces(np.ones((n, 4)), rng.uniform(1.0, 9.0, n)) for n in (600, 120))
     for both, n_loads in (((long, short), 10), ((short, long), 10), ((long, long), 20)):
         moved, notes = gathered_alike(both)
         assert len({load for campaign in moved for load in campaign.load_factor.tolist()}) == n_loads
@@ -217,8 +212,7 @@ def test_rows_around_a_load_that_are_too_few_for_a_line_are_left_out(n_few, left
     """Four rows a coefficient; the loads of a campaign beside it are the centres."""
     rng = np.random.default_rng(0)
     forces = np.concatenate([rng.uniform(18.0, 22.0, 100), rng.uniform(58.0, 62.0, n_few)])
-    series = gathered(SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in forces.tolist()])
-    steady = gathered(SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in [20.0, 60.0] * 50])
+    series, steady = (at_forces(np.outer(own, np.ones(4)), own) for own in (forces, [20.0, 60.0] * 50))
     assert set(series.test) == {"test"}
     (moved, same), notes = gathered_alike([series, steady])
     assert len(moved.test) == 100 + n_few - left_out
@@ -229,8 +223,7 @@ def test_rows_around_a_load_that_are_too_few_for_a_line_are_left_out(n_few, left
 
 def test_a_model_is_looked_at_by_a_few_of_many_loads_and_each_row_beside_the_nearest():
     forces = np.random.default_rng(0).permutation(np.linspace(1.0, 9.0, 200) ** 2)
-    series = gathered(SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in forces.tolist()])
-    found = looked_at(series)
+    found = looked_at(at_forces(np.outer(forces, np.ones(4)), forces))
     loads = np.array([float(load) if isinstance(load, float) else load["force"] for load, _ in found])
     assert len(loads) == MOST_LOADS
     assert (loads.min(), loads.max()) == (1.0, 81.0)

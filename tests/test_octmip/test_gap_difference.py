@@ -146,9 +146,6 @@ def test_a_run_tells_how_far_sound_readings_differ_so_that_the_level_is_of_what_
     assert np.allclose(usual.at(4.0).covariance(rows, rows), 16.0 * usual.covariance(rows, rows))
 
 
-# The linear model is read only, an inference keeps what it was asked, and the next test goes by what is seen
-
-
 SETS = [(), (0,), (3, 40), (21,), (2, 30, 60)]
 
 

@@ -215,9 +215,6 @@ def test_the_command_opens_every_door_by_one_word(tmp_path, monkeypatch):
         open_twin(f"table:{tmp_path / 'beam.csv'}")
 
 
-# What the doors refuse, each in one sentence with its cure
-
-
 @pytest.mark.parametrize(
     ("rows", "told"),
     [

@@ -88,18 +88,11 @@ def test_a_cached_twin_keeps_two_effects_of_one_name_apart():
     assert cached.signatures(other, ("",), {}, 1.0, 0.0) is second
 
 
-# Effects of other people: four things said are enough, fewer are refused
-
-
 def test_a_simple_effect_says_four_things_and_is_found():
     slack = SimpleEffect("slack", "mm", 0.1, lambda readings, size: readings + np.array([size, 0.7 * size, 0.0]))
     assert isinstance(slack, Effect)
     given = measured(3)
-    readings = given.readings + np.array([0.15, 0.7 * 0.15, 0.0])
-    campaign = Campaign(
-        given.gauges, (), given.test, given.load_factor, given.states, readings, given.time, given.temperature,
-        load_names=given.load_names,
-    )  # fmt: skip
+    campaign = replace(given, readings=given.readings + np.array([0.15, 0.7 * 0.15, 0.0]))
     diagnosis = diagnose(campaign, TWIN, {**TWIN.effects, "slack": slack})
     (found,) = diagnosis.which[0].parameters
     assert found.effect == "slack"
@@ -130,9 +123,6 @@ def test_an_effect_that_says_too_little_and_a_name_that_comes_twice_are_refused(
     tilt = SimpleEffect("tilt", "deg", 1.0, lambda readings, size: readings + size)
     with pytest.raises(TwinError, match="two effects are called 'tilt'"):
         diagnose(measured(5), TWIN, {"a": tilt, "b": tilt})
-
-
-# Effects as families: the courses that a campaign gives, and the axes of the structure
 
 
 class Plate:
@@ -205,9 +195,6 @@ def test_what_varies_along_and_across_a_structure_goes_with_its_two_longest_axes
     along, across = (found[f"{who}_steady_constant"].signature(Plate(), {}, 1.0) for who in ("along", "across"))
     assert along == pytest.approx([-1.0, 1.0, -1.0, 1.0])
     assert across == pytest.approx([-1.0, -1.0, 1.0, 1.0])
-
-
-# Unknown states of twins that answer only so far, or only at a price: looked for within the limit, or not at all
 
 
 GAUGES = {f"g{k}": "mm" for k in range(6)}

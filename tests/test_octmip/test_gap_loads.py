@@ -13,6 +13,7 @@ from octmip.interfaces.report.diagnosis.page import report_page
 from octmip.interfaces.report.diagnosis.words import page_of_words
 from octmip.twin import Loads, load_words, loads_of, units_of
 from tests.test_octmip.beam_twin import Beam, Field
+from tests.test_octmip.test_gap_units import written
 
 SETTINGS = [(f, a) for f in (1.0, 2.0, 4.0) for a in (0.5, 1.0, 2.0)]
 
@@ -77,15 +78,12 @@ def test_words_and_pages_of_several_loads_never_say_load_factor():
 
 
 def test_a_file_names_the_loads_of_the_twin(tmp_path):
-    campaign, path = shaken(3, 0.0), tmp_path / "sweep.csv"
-    lines = [",".join(["test", "frequency", "amplitude", *campaign.gauges])]
-    for test, applied, readings in zip(campaign.test, campaign.applied, campaign.readings, strict=True):
-        lines.append(",".join([test, *(f"{v:g}" for v in applied), *(f"{v:.4f}" for v in readings)]))
-    path.write_text("\n".join(lines))
+    campaign = shaken(3, 0.0)
+    path = written(tmp_path, campaign)
     read = read_campaign(path, Shaker())
     assert read.loads == campaign.loads
     assert read.cells[0].name == "sweep at frequency 1, amplitude 0.5"
-    path.write_text("\n".join(lines).replace("frequency", "frequenzy"))
+    path.write_text(path.read_text().replace("frequency", "frequenzy"))
     with pytest.raises(DataError, match="column 'frequency' is missing"):
         read_campaign(path, Shaker())
 
@@ -127,9 +125,6 @@ def test_a_twin_that_announces_nothing_reads_microstrain_at_a_load_factor():
     beam = CachedTwin(Beam())
     assert loads_of(beam) == ("load_factor",)
     assert units_of(beam) == ("microstrain",) * 20
-
-
-# A campaign made of blocks of rows
 
 
 TWIN = function_twin(lambda p, loads: [loads["a"], loads["b"]], {"u": "mm", "v": "mm"}, {}, ("a", "b"), ("crack",))

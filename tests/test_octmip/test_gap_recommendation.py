@@ -114,12 +114,6 @@ def test_a_cause_of_little_probability_is_not_acted_on(gain):
     )
 
 
-def test_a_sound_asset_needs_nothing():
-    sound = diagnosed(seed=4)
-    assert verdict_of(sound) is Verdict.SOUND
-    assert recommend(sound).startswith("Nothing to do: no effect larger than the detectable sizes below (prob")
-
-
 def test_a_difference_without_a_run_is_not_nothing_to_do():
     """The twin was 9 mm off at p = 1.8e-5, and nothing was to be done."""
     alone = diagnose(measured(4), TWIN)
@@ -129,8 +123,9 @@ def test_a_difference_without_a_run_is_not_nothing_to_do():
     assert recommend(off).startswith("Cannot be told: readings and twin differ by ")
     assert "(p-value 1.8e-05)" in recommend(off)
     assert "bring a run of the sound asset" in recommend(off)
-    beside = diagnosed(seed=4)
-    assert verdict_of(dataclasses.replace(beside, where=off.where)) is Verdict.SOUND
+    beside = dataclasses.replace(diagnosed(seed=4), where=off.where)
+    assert verdict_of(beside) is Verdict.SOUND
+    assert recommend(beside).startswith("Nothing to do: no effect larger than the detectable sizes below (prob")
 
 
 def test_what_the_library_lacks_stops_and_says_where_to_look():
@@ -178,9 +173,6 @@ def test_channels_that_say_nothing_are_repaired_first(gain, name):
     for diagnosis, end in ends.items():
         changed = dataclasses.replace(diagnosis, noise=dataclasses.replace(diagnosis.noise, faults=(fault,)))
         assert recommend(changed).startswith(beginning + end)
-
-
-# Words and numbers
 
 
 @pytest.mark.parametrize("name", sorted(CHAIN))

@@ -137,20 +137,19 @@ def test_a_run_without_repeats_takes_the_noise_of_the_campaign():
     assert any("campaign's is used" in note for note in diagnosis.notes)
 
 
-# Readings that wander from load to load: weighed against effects by campaign and commissioning run together
-
-
 @pytest.fixture(scope="module")
 def sound():
     return diagnose(measured(12, noise=walking()), TWIN, commissioning=measured(1012, noise=walking()))
 
 
-def test_a_walk_too_slow_for_the_repeats_accuses_no_sound_asset_and_is_named(sound):
+def test_a_walk_too_slow_for_the_repeats_accuses_no_sound_asset_and_is_named_on_the_page(sound):
     """Before: something outside the library, probability over .999, in 20 of 20 draws."""
     assert "random_walk" not in estimate_noise(sound.posterior.model.inputs.campaign).findings
     assert sound.is_sound
     assert "random_walk" in sound.noise.findings
     assert sound.noise.walk_sd == pytest.approx(STEP * SD, rel=0.3)
+    assert moves_together(sound.noise, sound.posterior.model.inputs.averages) == 0.0  # each gauge walks by itself
+    assert any("wander: the typical gauge by" in line for line in noise_lines(sound))
 
 
 def test_error_bars_know_the_walk(sound):
@@ -158,10 +157,6 @@ def test_error_bars_know_the_walk(sound):
     variance = [np.diag(model.scatter)[model.cells == k].mean() for k in (0, 3)]
     assert variance[1] - variance[0] == pytest.approx(150 * (STEP * SD) ** 2, rel=0.6)
     assert variance[1] > 2.0 * variance[0]
-
-
-def test_the_page_says_how_far_the_readings_wander(sound):
-    assert any("wander: the typical gauge by" in line for line in noise_lines(sound))
 
 
 def test_a_calm_run_beside_a_campaign_that_wanders():
@@ -187,10 +182,12 @@ def test_something_unknown_is_no_walk_where_the_readings_are_calm():
     assert diagnosis.noise.walk_sd == 0.0
 
 
-def test_sizes_hold_all_that_repeats_leave_open():
+def test_sizes_hold_all_that_repeats_leave_open_and_white_readings_are_looked_at_as_white_first():
     campaign = measured(1)
     found = sizes(estimate_noise(campaign), campaign.averages(split=False))
     assert sum(np.exp(log_share) for _, log_share in found) == pytest.approx(1.0, abs=0.02)
+    assert found[0][1] > np.log(0.9)
+    assert found[0][0].parts[0].serial.white_probability > 0.99
     steps = [noise.walk_sd for noise, _ in found]
     assert steps[0] == 0.0
     walks = [step for step in steps if step > 0.0]
@@ -249,11 +246,6 @@ def test_joints_that_stick_are_unexplained_and_no_sound_asset(course):
     assert diagnosis.unknown_probability > 0.9
 
 
-def test_walks_of_single_gauges_do_not_move_together(sound):
-    inputs = sound.posterior.model.inputs
-    assert moves_together(sound.noise, inputs.averages) == 0.0
-
-
 def stepping(height=0.5, dwell=40.0):
     """White noise with steps up and down, of each gauge by itself, which go on from load to load."""
     side = [None]
@@ -273,10 +265,3 @@ def test_the_memory_of_readings_is_weighed_where_repeats_leave_it_open():
     still = [noise.parts[0] for noise in found if noise.walk_sd == 0.0]
     means = [part.of_mean(50) * np.trace(part.covariance) for part in still]
     assert max(means) > 1.5 * min(means)
-
-
-def test_white_readings_are_looked_at_as_white_first():
-    campaign = measured(1)
-    noise, log_share = sizes(estimate_noise(campaign), campaign.averages(split=False))[0]
-    assert log_share > np.log(0.9)
-    assert noise.parts[0].serial.white_probability > 0.99

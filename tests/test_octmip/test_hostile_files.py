@@ -158,9 +158,6 @@ def test_a_label_column_of_lists_is_no_column_of_labels(tmp_path):
     assert not read_table(tmp_path / "data.parquet").missing("y", "label").any()
 
 
-# Files appear whole or not at all, and what cannot be read says why in one sentence
-
-
 @pytest.mark.parametrize(
     ("error", "ends"), [(OSError(28, "No space left on device"), DataError), (KeyboardInterrupt(), KeyboardInterrupt)]
 )

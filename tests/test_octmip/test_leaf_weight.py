@@ -86,20 +86,6 @@ def test_rows_too_coarse_to_tell_leaves_apart_claim_no_optimum(monkeypatch):
     assert (found.objective, found.bound, found.stop) == (2.0, 0.0, Stop.NUMERICS)
 
 
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        ({"leaf_weight": -1}, "leaf_weight is -1"),
-        ({"leaf_weight": 4.5}, "leaf_weight is 4.5 but all samples together weigh 4"),
-        ({"leaf_weight": 1, "leaf_size": 2}, "leaf_size is 2 and leaf_weight 1"),
-        ({"leaf_weight": 1, "loss": ClassCosts(np.ones((4, 2)), True)}, "leaf_weight is given with costs of single"),
-    ],
-)
-def test_a_limit_that_none_can_hold_is_refused(options, sentence):
-    with pytest.raises(ProblemError, match=sentence):
-        Problem(*STRIPES, depth=1, **options)
-
-
 def test_the_estimators_share_is_scikit_learns():
     rng = np.random.default_rng(0)
     features, weights = rng.normal(size=(60, 3)), rng.integers(1, 9, 60)

@@ -90,18 +90,9 @@ def test_a_proven_tree_is_certified_and_measured(problem):
     assert certificate.measures["rmse"] == pytest.approx(np.sqrt((misses**2 * WEIGHTS).sum() / WEIGHTS.sum()))
 
 
-def test_a_loss_asks_for_targets_of_its_kind():
-    with pytest.raises(ProblemError, match="loss is 'squared'"):
-        Problem(FEATURES, TARGETS, depth=1, loss="squared")
-    with pytest.raises(ProblemError, match="targets cannot be read as numbers"):
-        Problem(FEATURES, np.array(["a", "b"] * 15), depth=1, loss=number_loss("squared"))
-    with pytest.raises(ProblemError, match="class_names is"):
-        Problem(FEATURES, TARGETS, depth=1, loss=number_loss("squared"), class_names=(0, 1, 2))
-    numbers = Problem(FEATURES, TARGETS, depth=1, loss=number_loss("squared"))
+def test_a_problem_of_numbers_has_no_costs_of_classes():
     with pytest.raises(ProblemError, match="needs classes"):
-        _ = numbers.costs
-    with pytest.raises(ProblemError, match="leaf_model is 'linear'"):
-        Problem(FEATURES, TARGETS, depth=1, leaf_model="linear")
+        _ = Problem(FEATURES, TARGETS, depth=1, loss=number_loss("squared")).costs
 
 
 @pytest.mark.parametrize("method", ["exact", "search"])

@@ -180,9 +180,6 @@ def test_fixing_never_takes_away_the_optimum_at_depth_three(seed):
         assert solution.is_optimal
 
 
-# Without a solver: trees into solutions and back
-
-
 @pytest.mark.parametrize("encode", [oct.encode, lambda problem: flow.encode(problem, Leaf(0), fix=0)])
 @pytest.mark.parametrize("seed", range(15))
 def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(encode, seed):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split, predict, solve
-from octmip.errors import CertificateError, ProblemError, TreeError
+from octmip.errors import CertificateError, TreeError
 from octmip.trees.answer.certificate import certify
 from octmip.trees.answer.solution import Solution, Stop
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
@@ -26,9 +26,6 @@ def problem_with_missing(seed):
     """Return a small random problem, most of them with readings missing."""
     rng = np.random.default_rng([70, seed])
     return with_missing(rng, random_problem(rng))
-
-
-# The rule at one split
 
 
 def test_a_missing_reading_goes_to_the_side_that_the_split_names():
@@ -54,14 +51,6 @@ def test_a_split_without_a_side_refuses_what_is_missing():
         predict(plane, np.hstack([np.nan_to_num(features, nan=1.0), features])[[0, 0, 0, 1]])
 
 
-@pytest.mark.parametrize(
-    ("threshold", "missing", "reason"), [(None, None, "neither a threshold nor a side"), (1.0, "up", "go to 'up'")]
-)
-def test_a_split_that_says_nothing_is_refused(threshold, missing, reason):
-    with pytest.raises(TreeError, match=reason):
-        Split(0, threshold, Leaf(0), Leaf(1), missing=missing)
-
-
 def test_a_split_is_said_with_its_side():
     def words(**given):
         return condition(Split(0, left=Leaf(0), right=Leaf(1), **given), "x{}".format)
@@ -70,9 +59,6 @@ def test_a_split_is_said_with_its_side():
     assert words(threshold=1.5, missing="right") == words(threshold=1.5) == "x0 <= 1.5"
     assert words(threshold=None, missing="left") == "x0 is missing"
     assert words(threshold=None, missing="right") == "x0 is not missing"
-
-
-# Sides and thresholds of a solved tree
 
 
 def test_where_nothing_was_missing_the_heavier_side_takes_it():
@@ -120,23 +106,11 @@ def test_extremes_of_float64_have_room_for_what_is_missing():
     assert solve(problem).objective == 0
 
 
-# All methods
-
-
-def test_what_counts_on_every_reading_refuses_a_problem_that_lacks_some():
-    problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1)
-    with pytest.raises(ProblemError, match=r"1 reading is missing \(NaN\), and .*; expected every reading; "):
-        solve(problem.replace(split="hyperplane"), "oct_h")
-
-
 def test_a_tree_without_a_side_where_some_are_missing_has_no_certificate():
     problem = Problem([[NAN], [1.0], [2.0]], [0, 0, 1], depth=1)
     claim = Solution(Split(0, 1.5, Leaf(0), Leaf(1)), 0.0, 0.0, Stop.OPTIMAL, 0.0, 0, "hand", "1", 0)
     with pytest.raises(CertificateError, match="no side for missing readings"):
         certify(problem, claim)
-
-
-# Proof logs
 
 
 def test_a_log_belongs_to_its_missing_readings(tmp_path):
@@ -160,9 +134,6 @@ def test_a_problem_file_holds_null_for_what_is_missing_and_the_checker_knows_its
     assert file["version"] == 2
     assert encode(Problem([[1.0], [0.0]], [0, 1], depth=1, takes_missing=True))["version"] == 1
     assert checker_question(problem).digests() == (data_digest(problem), question_digest(problem))
-
-
-# The estimator
 
 
 def gapped(n: int = 60) -> tuple[np.ndarray, np.ndarray]:

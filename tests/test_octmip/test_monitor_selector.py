@@ -93,8 +93,6 @@ def test_a_reading_of_another_length_is_refused():
         CompiledTree(Split(5, 1.0, Leaf(0), Leaf(1)), NAMES)
 
 
-# The library and the selector
-
 LEVELS = (0.0, 0.2, 0.4, 0.6, 0.8)
 
 
@@ -203,9 +201,6 @@ def test_a_tree_of_other_gauges_or_states_is_refused():
         ModelSelector.of_trees(library, [ParameterTree("mu1", Leaf(0), (0.33,), ("g01",))])
     with pytest.raises(TreeError, match="selects state 99"):
         ModelSelector(library, Leaf(99))
-
-
-# What a leaf says of a state
 
 
 def test_the_leaf_table_is_the_share_of_readings_that_reach_the_leaf():

@@ -51,9 +51,6 @@ def test_what_is_visible_stays_and_isolates_must_be_closed():
     assert html_text('<a title="\x07">') == "&lt;a title=&quot;\\x07&quot;&gt;"
 
 
-# The command
-
-
 def hostile_file(tmp_path, name):
     """Return a tree file whose feature and one class have this name, and a table that it can read."""
     table, tree = tmp_path / "t.csv", tmp_path / "t.json"

@@ -176,6 +176,8 @@ class Claimed:
         ({"trees": None, "trees_at_least": 6}, "claims 6 trees or more but there are 5"),
         ({"predictions": 4}, "claims 4 predictions"),
         ({"optimum": Fraction(2)}, "claims the optimum 2"),
+        ({"optimum": Fraction(1, 2)}, "claims the optimum 1/2"),
+        ({"optimum": None}, "claims the optimum None"),
         ({"by_root": {"x0": 5}}, "by root"),
     ],
 )

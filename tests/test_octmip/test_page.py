@@ -127,9 +127,6 @@ def test_places_that_are_none_are_refused(places, told):
         function_twin(bent, {"w1": "mm", "w2": "mm"}, positions=places)
 
 
-# Pages made from templates: whole in themselves, strict about what they are given, safe for any text
-
-
 TEMPLATE = """{% extends "base.html" %}{% from "parts.html" import cards, table, technical %}
 {% block title %}{{ name }}{% endblock %}{% block verdict %}{{ value }}{% endblock %}
 {% block sections %}{{ table(["a", "b"], [[name, 1234567]], right=(1,)) }}{% endblock %}

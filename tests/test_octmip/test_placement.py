@@ -100,9 +100,6 @@ def test_no_bound_lies_above_the_optimum(seed):
     assert label_bound(problem) <= least + slack
 
 
-# The reading of a failed gauge, imputed
-
-
 def test_filling_is_the_regression_on_the_others():
     rng = np.random.default_rng(3)
     means = 500.0 + np.outer(np.arange(4) * 60.0, np.linspace(1.0, 0.5, 8))

@@ -107,7 +107,8 @@ def test_the_digest_knows_the_training_data_and_nothing_else():
     others = [{"features": changed}, {"targets": ["a", "a", "b", "b"]}, {"weights": [1, 1, 1, 2]}]
     others += [{"targets": ["a", "b", "c", "b"], "class_names": names} for names in (["a", "b", "c"], ["c", "b", "a"])]
     others += [{"targets": ["a", "b", "d", "b"]}]
-    assert len({problem(**other).digest() for other in [{}, *others]}) == 7
+    others += [{"loss": ClassCosts([[0, 1]] * 3 + [last], per_sample=True)} for last in ([0, 1], [0, 2])]
+    assert len({problem(**other).digest() for other in [{}, *others]}) == 9
     assert len({question_digest(problem(max_splits=most)) for most in (1, 2, 3, None)}) == 3  # 3 are no limit
 
 
@@ -143,6 +144,25 @@ WRONG = {
     "depth 31": ({"depth": 31}, "depth is 31"),
     "leaf size 0": ({"leaf_size": 0}, "leaf_size is 0"),
     "leaf size above n": ({"leaf_size": 5}, "leaf_size is 5; expected a whole number from 1 to 4"),
+    "weight of leaves below 0": ({"leaf_weight": -1}, "leaf_weight is -1"),
+    "weight of leaves above all": ({"leaf_weight": 4.5}, "leaf_weight is 4.5 but all samples together weigh 4"),
+    "size and weight of leaves": ({"leaf_weight": 1, "leaf_size": 2}, "leaf_size is 2 and leaf_weight 1"),
+    "weight of leaves with costs of samples": (
+        {"leaf_weight": 1, "loss": ClassCosts(np.ones((4, 2)), True)},
+        "leaf_weight is given with costs of single",
+    ),
+    "any depth without a price": ({"depth": None}, "depth is None and leaf_penalty 0.* give leaf_penalty"),
+    "any depth of hyperplanes": (
+        {"depth": None, "leaf_penalty": 1.0, "split": "hyperplane"},
+        "depth is None but split is 'hyperplane'; give a depth",
+    ),
+    "a loss that is a word": ({"loss": "squared"}, "loss is 'squared'"),
+    "words for numbers": ({"loss": SquaredError()}, "targets cannot be read as numbers"),
+    "classes for numbers": ({"loss": SquaredError(), "targets": range(4), "class_names": (0, 1)}, "class_names is"),
+    "linear leaves of classes": ({"leaf_model": "linear"}, "leaf_model is 'linear'"),
+    "NaN among numbers": ({"loss": SquaredError(), "targets": [1.0, np.nan, 0.0, 0.0]}, "targets"),
+    "too few numbers": ({"loss": SquaredError(), "targets": np.ones(3)}, "3 entries"),
+    "numbers too far apart": ({"loss": SquaredError(), "targets": [0.0, 1e200, 0.0, 0.0]}, "scale them"),
     "splits of -1": ({"max_splits": -1}, "max_splits is -1"),
     "splits of 1.5": ({"max_splits": 1.5}, "max_splits is 1.5"),
     "negative penalty": ({"leaf_penalty": -1.0}, r"leaf_penalty is -1\.0"),

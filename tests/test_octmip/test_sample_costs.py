@@ -103,12 +103,6 @@ def test_a_tree_file_holds_the_costs_and_certifies_them(tmp_path):
     assert certify(small(loss=loss), file.solution).objective == solution.objective
 
 
-def test_costs_of_samples_are_part_of_the_digest():
-    other = np.array(COSTS)
-    other[3, 1] += 1
-    assert small().digest() != small(loss=ClassCosts(other, per_sample=True)).digest()
-
-
 @pytest.mark.parametrize(
     ("ask", "said"),
     [

@@ -134,9 +134,6 @@ def test_features_of_many_samples_are_compared_on_a_part_and_the_best_one_is_fou
     assert found.objective == branch_and_bound(problem).objective
 
 
-# Lines of two features, whose moves ask the exact single-split solver, and hyperplanes
-
-
 def test_small_searches_are_never_better_than_the_proven_optimum_and_mostly_at_it():
     n_hits = 0
     for seed in range(24):
@@ -187,9 +184,6 @@ def test_integer_normals_are_integers_within_their_limit(most):
             assert all(c == math.floor(c) and abs(c) <= most for c in split.coefficients)
 
 
-# The whole range of float64: the search ends, warns of nothing, and its trees are certified
-
-
 LARGEST, TINIEST, NORMAL = np.finfo(np.float64).max, 5e-324, np.finfo(np.float64).tiny
 BELOW_ONE, ABOVE_ONE = np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)
 VALUES = [NORMAL, 1e-300, 1.0, ABOVE_ONE, BELOW_ONE, 3.0]
@@ -228,9 +222,6 @@ def test_polishing_keeps_every_sample_of_extreme_values_in_its_leaf():
             offset = float(np.nan_to_num(points[0] @ normal))
         plane = HyperplaneSplit((0, 1), normal, offset, Leaf(0), Leaf(1))
         assert np.array_equal(leaf_index(polished(problem, plane), points), leaf_index(plane, points))
-
-
-# Equal samples merged: the trees of one problem are those of the other, and the search cannot tell them apart
 
 
 FEATURES = [[1.0, 2.0], [0.0, 5.0], [1.0, 2.0], [1.0, 2.0], [-0.0, 5.0]]

@@ -81,9 +81,10 @@ def test_a_limit_leaves_a_bound_that_holds_although_the_best_trees_are_not_found
         rng = np.random.default_rng(2000 + seed)
         problems, budget = rivals(rng), float(rng.integers(1, 4))
         least = joint_optimum(problems, [1.0] * len(problems), budget)
-        for n_nodes in (0, 1, 3):
-            joint = shared_budget(problems, budget, limits=Limits(nodes=n_nodes))
-            assert joint.bound <= least <= joint.objective, (seed, n_nodes)
+        for limits in (Limits(0.0), Limits(nodes=0), Limits(nodes=1), Limits(nodes=3), Limits(gap=0.5)):
+            joint = shared_budget(problems, budget, limits=limits)
+            assert joint.bound <= least <= joint.objective, (seed, limits)
+            assert not limits.gap or joint.gap <= limits.gap
             n_open += joint.objective > least
     assert n_open >= 1
 
@@ -128,20 +129,6 @@ def gauges_for_two(n_each: int = 12) -> list[Problem]:
     second[1] = 1 - second[1]
     features[:, 2] = second
     return [Problem(features, labels, depth=1, feature_names=("g0", "a", "b", "c")) for labels in (first, second)]
-
-
-@pytest.mark.parametrize("limits", [Limits(seconds=0.0), Limits(nodes=0), Limits(gap=0.5)])
-def test_a_limit_leaves_trees_and_a_true_bound(limits):
-    rng = np.random.default_rng(7)
-    features = rng.normal(size=(60, 8))
-    problems = [Problem(features, rng.integers(0, 3, 60), depth=2) for _ in range(2)]
-    proven = shared_budget(problems, 3.0)
-    limited = shared_budget(problems, 3.0, limits=limits)
-    assert proven.n_nodes > 0
-    assert limited.bound <= proven.objective <= limited.objective
-    assert limited.stop in (Stop.TIME, Stop.NODES, Stop.GAP, Stop.OPTIMAL)
-    if limits.gap:
-        assert limited.gap <= limits.gap
 
 
 def test_a_label_says_what_it_gives_up_for_the_others():

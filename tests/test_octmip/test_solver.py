@@ -67,12 +67,13 @@ def test_a_proof_starts_from_a_tree_of_search(registered):
     assert 98 < call["limits"].seconds < 99  # one is left to a search
 
 
-def test_a_shallow_exact_proof_starts_at_once(registered):
+@pytest.mark.parametrize("incumbent", [None, Split(0, 0.5, Leaf(0), Leaf(1))])
+def test_a_shallow_exact_proof_starts_at_once_from_the_users_tree_if_there_is_one(registered, incumbent):
     exact = registered("exact", answering())
     search = registered("search", answering(), proves=False)
-    solve(STRIPES)
+    solve(STRIPES, incumbent=incumbent)
     assert not search.calls
-    assert exact.calls[0]["incumbent"] is None
+    assert exact.calls[0]["incumbent"] == incumbent
 
 
 def test_a_two_feature_proof_starts_from_the_best_axis_aligned_tree():
@@ -85,22 +86,12 @@ def test_a_two_feature_proof_starts_from_the_best_axis_aligned_tree():
     assert stopped.objective <= axis.objective
 
 
-def test_an_incumbent_of_the_user_spares_the_search(registered):
-    exact = registered("exact", answering())
-    search = registered("search", answering(), proves=False)
-    stump = Split(0, 0.5, Leaf(0), Leaf(1))
-    solve(STRIPES, incumbent=stump)
-    assert not search.calls
-    assert exact.calls[0]["incumbent"] == stump
-
-
-def test_the_better_of_incumbent_and_proof_comes_back(registered):
-    leaf = answering(tree=Leaf(0), objective=2.0, bound=0.0, stop=Stop.TIME)
-    registered("exact", leaf)
+@pytest.mark.parametrize(("bound", "stop"), [(0.0, Stop.OPTIMAL), (-1.0, Stop.TIME)])
+def test_the_better_of_incumbent_and_proof_comes_back_and_is_optimal_where_the_bound_meets_it(registered, bound, stop):
+    registered("exact", answering(tree=Leaf(0), objective=2.0, bound=bound, stop=Stop.TIME))
     solution = solve(STRIPES, incumbent=ZERO_ERRORS)
-    assert solution.tree == ZERO_ERRORS
-    assert solution.objective == 0
-    assert solution.stop is Stop.OPTIMAL
+    assert (solution.tree, solution.objective, solution.stop) == (ZERO_ERRORS, 0.0, stop)
+    assert solution.is_optimal == (stop is Stop.OPTIMAL)
 
 
 @pytest.mark.parametrize(
@@ -169,14 +160,6 @@ def test_a_solver_that_is_not_installed_says_so(registered, monkeypatch):
     monkeypatch.setitem(registry.REGISTRY["classes", "axis"], "oct", missing)
     with pytest.raises(SolverError, match=r"needs the module octmip\.no_such_module"):
         solve(STRIPES, method="oct", incumbent=ZERO_ERRORS)
-
-
-def test_a_better_tree_does_not_make_a_search_that_was_cut_off_optimal(registered):
-    """The solver ends by time with a tree of two errors and no proof; the incumbent makes no error."""
-    two = Split(0, 0.5, Leaf(0), Leaf(0))
-    registered("exact", answering(tree=two, objective=2.0, bound=-1.0, stop=Stop.TIME))
-    solution = solve(STRIPES, "exact", incumbent=ZERO_ERRORS)
-    assert (solution.objective, solution.stop, solution.is_optimal) == (0.0, Stop.TIME, False)
 
 
 @pytest.mark.parametrize("loss", [None, SquaredError()], ids=["classes", "numbers"])

@@ -65,13 +65,6 @@ def test_the_depth_follows_the_price_and_a_depth_that_is_given_stays():
     assert [priced(0.0, max_splits=most).shape.depth for most in (0, 1, 4)] == [1, 1, 4]
 
 
-def test_what_has_no_price_is_refused():
-    with pytest.raises(ProblemError, match=r"depth is None and leaf_penalty 0.* give leaf_penalty"):
-        priced(0.0)
-    with pytest.raises(ProblemError, match="depth is None but split is 'hyperplane'; give a depth"):
-        priced(1.0, split="hyperplane")
-
-
 def test_a_tree_deeper_than_any_that_pays_is_one_of_the_problem():
     problem, tree = priced(15.0), Leaf(0)
     for cut in np.sort(FEATURES[:, 0])[1:6]:

@@ -78,6 +78,8 @@ def test_splits_that_send_all_samples_to_one_side_are_taken_out():
         (lambda: Split(-1, 0.0, Leaf(0), Leaf(0)), "split feature is -1"),
         (lambda: Split(0, np.nan, Leaf(0), Leaf(0)), "threshold on feature 0 is nan"),
         (lambda: Split(0, np.inf, Leaf(0), Leaf(0)), "threshold on feature 0 is inf"),
+        (lambda: Split(0, None, Leaf(0), Leaf(0)), "neither a threshold nor a side"),
+        (lambda: Split(0, 1.0, Leaf(0), Leaf(0), missing="up"), "go to 'up'"),
         (lambda: HyperplaneSplit((), (), 0.0, Leaf(0), Leaf(0)), "0 features and 0 coefficients"),
         (lambda: HyperplaneSplit((0, 1), (1.0,), 0.0, Leaf(0), Leaf(0)), "2 features and 1 coefficients"),
         (lambda: HyperplaneSplit((1, 0), (1.0, 1.0), 0.0, Leaf(0), Leaf(0)), "expected ascending indices"),

@@ -77,9 +77,6 @@ def mixed() -> tuple[TreeFile, Problem, pd.DataFrame]:
     return record_tree(problem, solve(problem), "state", preparation=Preparation(columns)), problem, table
 
 
-# Words
-
-
 @pytest.mark.parametrize(
     ("value", "words"),
     [(0, "0"), (1550.0, "1,550"), (-2.5, "\u22122.5"), (1039.4102, "1,039.41"), (1 / 3, "0.333333"),
@@ -111,9 +108,6 @@ def test_a_split_is_a_question_in_words_of_the_table():
     ]
     weighted = HyperplaneSplit((0, 1), (-2.0, 1.0), 1 / 3, Leaf(0), Leaf(1))
     assert question(weighted, Wording(("a", "b"), (0, 1))).text == "\u2212 2 a + b \u2264 0.3333333333333333"
-
-
-# What the page says
 
 
 def test_the_top_says_what_is_decided_how_well_whether_proven_and_what_greedy_loses(xor_page: str):
@@ -163,9 +157,6 @@ def test_a_leaf_alone_is_a_tree_too():
     assert "0 instead of 1" in page  # the greedy tree is better, and the page says so
 
 
-# What the page is made of
-
-
 def test_depths_end_with_the_tree_of_the_file_and_never_rise():
     problem = xor(depth=3)
     file = record_tree(problem, solve(problem), "side")
@@ -191,9 +182,6 @@ def test_the_samples_in_a_page_are_those_of_their_leaf_and_no_more_than_there_is
     assert all(reached[row[0] - 1] == leaf for leaf, rows in enumerate(data["leaves"]) for row in rows)
     assert sum(len(row) for rows in data["leaves"] for row in rows) <= MOST_CELLS + 3 * 2 * MOST_ROWS
     assert len(tree_page(file, "t.json", evidence)) < 200_000
-
-
-# In a browser
 
 
 def test_the_page_keeps_all_that_is_checked(browser: Any, tmp_path: Path, xor_page: str):

@@ -14,12 +14,11 @@ from octmip.trees.methods.native_call import without
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.nodes.tree import HyperplaneSplit, Split, splits
-from octmip.trees.question.problem import Problem as AnyProblem
 from tests.oracles.rational import least_cost
 from tests.oracles.two_feature_problems import clouds, random_two_feature_problem
 
 
-def solve_and_certify(problem: AnyProblem, **options: object) -> float:
+def solve_and_certify(problem: Problem, **options: object) -> float:
     solution = two_feature_branch_and_bound(problem, **options)
     certify(problem, solution)
     assert solution.is_optimal, solution
@@ -136,9 +135,6 @@ def test_a_memory_limit_stops_the_search_with_a_tree_and_a_bound() -> None:
     assert solution.stop is Stop.MEMORY
 
 
-# Proof logs of two-feature trees: accepted where they are true, refused with line and reason elsewhere
-
-
 def test_logs_of_larger_problems_are_checked_on_several_threads(tmp_path: Path) -> None:
     path = tmp_path / "proof.log"
     for seed in (2, 6, 9):
@@ -167,9 +163,6 @@ def test_deeper_trees_have_no_logs() -> None:
     problem = Problem(np.eye(4), [0, 1, 0, 1], depth=3, split="hyperplane", split_size=2)
     with pytest.raises(ProblemError, match="depth 3 with 2 features per split has no proof log"):
         check_proof(problem, "nowhere.log")
-
-
-# Every prune and bound of the two-feature core can be switched off, and the optimum stays
 
 
 PRUNES = _native.two_feature_prunes()

@@ -69,9 +69,6 @@ def test_wrong_input_is_refused(call):
         call()
 
 
-# Probabilities that hold on fresh rows
-
-
 def noisy(n, seed):
     """Return features that say little about three classes."""
     rng = np.random.default_rng(seed)

@@ -173,9 +173,6 @@ def test_every_dtype_of_text_becomes_questions_with_its_missing_readings(kind):
     assert (OptimalTreeClassifier(max_depth=2).fit(frame, ["p", "q", "p"]).predict(frame) == ["p", "q", "p"]).all()
 
 
-# By the command
-
-
 def test_a_threshold_on_dates_is_a_date_where_no_column_is_text(tmp_path, capsys):
     rows = [f"2025-01-{k:02},{'late' if k > 15 else 'early'}" for k in range(1, 29)]
     data = tmp_path / "t.csv"

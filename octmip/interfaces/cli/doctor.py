@@ -41,7 +41,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         "model": Extra(("pyomo",), "formulations as models of Pyomo"),
         "recordings": Extra(tuple(name for name in EXTRA_OF if EXTRA_OF[name] == "recordings"), "files of loggers"),
         "modes": Extra(("pyoma2",), "frequencies and damping by vibrations"),
-        "meshes": Extra(("meshio", "h5py", "pyfe3d"), "structures from mesh files"),
+        "meshes": Extra(("meshio", "pyfe3d"), "structures from mesh files"),
         "cholmod": Extra(("sksparse",), "sparse factors by CHOLMOD"),
         "pictures": Extra(("pyvista",), "renderings of the wing"),
     }

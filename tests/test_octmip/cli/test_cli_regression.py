@@ -95,8 +95,10 @@ def changed(tree, **training):
 
 
 def test_a_changed_file_is_refuted_or_refused(houses, run, tmp_path):
-    tree = tmp_path / "t.json"
+    tree, other = tmp_path / "t.json", tmp_path / "other.csv"
     solved(run, houses, "--out", tree)
+    pd.read_csv(houses).iloc[1:].to_csv(other, index=False)
+    assert "is not the table" in run("certify", tree, other)[2]
     assert "--proof needs the table" in run("report", tree, "--proof", "p.log")[2]
     changed(tree)
     code, out, err = run("certify", tree, houses)
@@ -104,14 +106,6 @@ def test_a_changed_file_is_refuted_or_refused(houses, run, tmp_path):
     assert "claims objective" in err
     changed(tree, leaf_counts=[[60]])
     assert "leaf_counts has shape (1, 1)" in run("certify", tree, houses)[2]
-    assert "is not the table" in _with_other_table(run, houses, tmp_path)
-
-
-def _with_other_table(run, houses, tmp_path):
-    tree, other = tmp_path / "u.json", tmp_path / "other.csv"
-    solved(run, houses, "--out", tree)
-    pd.read_csv(houses).iloc[1:].to_csv(other, index=False)
-    return run("certify", tree, other)[2]
 
 
 def test_predict_gives_linear_leaves_the_columns_that_no_split_reads(run, tmp_path):

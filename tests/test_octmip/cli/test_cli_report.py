@@ -67,9 +67,6 @@ def test_what_cannot_be_reported_is_refused_with_a_cure(refused, data, solved, w
     assert said in refused("report", solved, *(data if word == "DATA" else word for word in words))
 
 
-# octmip certify, predict and report: a tree file recounted, refuted, applied and shown
-
-
 def test_predict_needs_only_the_features_that_the_tree_reads(run, refused, tree, tmp_path):
     (tmp_path / "new.csv").write_text("a\n3\n20\n")
     assert run("predict", tree, tmp_path / "new.csv")[1].split() == ["prediction", "low", "high"]

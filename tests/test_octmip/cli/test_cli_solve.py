@@ -115,9 +115,6 @@ def test_a_least_weight_of_leaves_counts_the_weights_of_rows_and_classes(data, r
     assert run("certify", out_file, data)[0] == 0
 
 
-# Gap times: the first report within a gap counts, and the solution at the end
-
-
 def test_the_first_report_within_a_gap_counts_and_the_end_closes_the_rest():
     shown: list[Progress] = []
     times = GapTimes(shown.append)
@@ -127,9 +124,6 @@ def test_the_first_report_within_a_gap_counts_and_the_end_closes_the_rest():
     assert times.reached() == {"10 %": 2.0, "1 %": None, "0 %": None}
     assert times.gaps == [(2.0, 0.05), (3.0, 0.04), (4.0, 0.03)]
     assert len(shown) == 3
-
-
-# A Parquet file of float32 columns becomes a problem as it is, and the tree is that of its values as float64
 
 
 def test_a_parquet_file_of_float32_columns_makes_no_float64_table(tmp_path):
@@ -145,9 +139,6 @@ def test_a_parquet_file_of_float32_columns_makes_no_float64_table(tmp_path):
     assert problem.samples.features.dtype == np.float32
     wide = Problem(features.astype(np.float64), labels, depth=2)
     assert solve(problem, "exact").objective == solve(wide, "exact").objective
-
-
-# octmip solve --read-solution: another solver's answer becomes a certified tree, or is refused in a sentence
 
 
 @pytest.fixture

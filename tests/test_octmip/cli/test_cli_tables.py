@@ -142,9 +142,6 @@ def test_another_table_tests_the_tree(survey, run, tmp_path):
     assert "errors held out" in out
 
 
-# octmip compare of a folder: every method on every table of it
-
-
 METHODS = ("--depth", 1, "--methods", "cart,exact,oct_h")
 
 

@@ -83,9 +83,17 @@ def test_the_c_function_answers_as_the_tree_does():
         ((*LOAD, "--noise", "mm=1"), r"--noise says nothing of 'e' \[microstrain\]; give microstrain=SD"),
         ((*LOAD, *NOISE, "--states", "crack"), r"--states is 'crack'; expected NAME=LEVEL,..."),
         ((*LOAD, "--noise", "much"), r"--noise holds 'much'; expected a number"),
+        (("--readings", "x.csv"), "--readings is given without --deployed"),
+        (("--inspected", "three", "--noise", "1"), "--inspected is given without --readings"),
+        (("--readings", "x.csv", "--deployed", "old", "--noise", "1"), "--noise stands beside --deployed"),
+        (("--readings", "x.csv", "--deployed", "old"), "--deployed old has no monitor.json; expected a folder"),
+        (("--readings", "x.csv", "--deployed", "out"), "--out out is the deployed folder"),
+        ((), "--noise is missing"),
+        (("--noise", "1", "--only", "one,four"), r"the twin has no state 'one'; expected among \['crack'\]"),
     ],
 )
 def test_wrong_words_are_one_sentence(words, told, capsys):
+    Path("x.csv").write_text("test\n")
     assert said(*words) == 2
     assert re.search(told, capsys.readouterr().err)
     assert not Path("out").exists()
@@ -200,24 +208,6 @@ def test_what_is_wrong_is_said_before_trees_are_trained(plate, capsys):
     shutil.copy("old/one.json", "old/two.json")
     assert main([*AGAIN, "flight.csv"]) == 2
     assert "two.json is a tree of 'one'; expected one of 'two'" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("--readings", "x.csv"), "--readings is given without --deployed"),
-        (("--inspected", "three", "--noise", "1"), "--inspected is given without --readings"),
-        (("--readings", "x.csv", "--deployed", "old", "--noise", "1"), "--noise stands beside --deployed"),
-        (("--readings", "x.csv", "--deployed", "old"), "--deployed old has no monitor.json; expected a folder"),
-        (("--readings", "x.csv", "--deployed", "out"), "--out out is the deployed folder"),
-        ((), "--noise is missing"),
-        (("--noise", "1", "--only", "one,four"), r"the twin has no state 'one'; expected among \['crack'\]"),
-    ],
-)
-def test_wrong_words_of_the_loop_are_one_sentence(words, told, capsys):
-    Path("x.csv").write_text("test\n")
-    assert said(*words) == 2
-    assert re.search(told, capsys.readouterr().err)
 
 
 def test_a_twin_without_a_state_cannot_be_monitored():
