@@ -99,8 +99,7 @@ def modes_of(
 
     Examples
     --------
-    >>> run = recording("RUN.tdms")  # doctest: +SKIP
-    >>> modes_of([run["Accel/1"], run["Accel/2"]], [4.0, 11.0]).mean  # doctest: +SKIP
+    Of a file: ``run = recording("RUN.tdms"); modes_of([run["Accel/1"], run["Accel/2"]], [4.0, 11.0]).mean``.
     """
     highest, lowest = max(near, default=0.0), min(near, default=0.0)
     if not (series and lowest > 0.0 and n_stretches > 1):

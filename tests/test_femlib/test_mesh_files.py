@@ -142,7 +142,11 @@ LEFT, Right
         ("plate.bdf", "CEND\nBEGIN BULK\n$ nothing\n", "has no node"),
         ("plate.unv", unv()[:-200], "expected two about each dataset; was it cut"),
         ("plate.unv", unv().replace("         6         3\n", "         6        33\n"), "the node 33, which the file"),
-        ("plate.unv", unv().replace("        94         1", "       115         1"), "elements of kind descriptor 115"),
+        (
+            "plate.unv",
+            unv().replace("        94         1", "       115         1"),
+            "element of kind descriptor 115",
+        ),
         ("plate.unv", unv().replace("        94         1", "        91         1"), "has 4 nodes, a triangle 3"),
         ("plate.unv", unv().replace("    -1\n  2412", "    -1\n   780"), "elements in dataset 780"),
     ],

@@ -64,7 +64,7 @@ CASES = {
     "unknown set": (lambda f: built(plate_mesh(), {"skinn": ALUMINIUM}), "'skinn' is not in the mesh; expected one"),
     "unknown node set": (lambda f: plate_with_mast(supports={"lefd": "clamped"}), "'lefd' is not in the mesh"),
     "empty set": (lambda f: built(plate_mesh(), SECTIONS | {"nothing": ALUMINIUM}), "'nothing' is empty"),
-    "volumes": (lambda f: read(meshio.Mesh(np.eye(4, 3), [("tetra", np.arange(4)[None])])), "no volumes"),
+    "volumes": (lambda f: read(meshio.Mesh(np.eye(4, 3), [("tetra", np.arange(4)[None])])), "shells and lines alone"),
     "quadratic": (lambda f: read(meshio.Mesh(np.eye(6, 3), [("triangle6", np.arange(6)[None])])), "corners_only"),
     "lone node": (
         lambda f: read(changed(points=np.vstack([plate_mesh().points, [9.0, 9.0, 9.0]]))),
@@ -111,7 +111,7 @@ CASES = {
     "no file": (lambda f: read(f / "no.msh"), "cannot be read"),
     "unknown ending": (lambda f: written(f, "x", "mesh.step"), "ends in '.step'"),
     "set of what is not there": (lambda f: written(f, DECK + "*ELSET, ELSET=X\n99\n"), "names '99'"),
-    "an included file": (lambda f: written(f, DECK + "*INCLUDE, INPUT=o\n"), "o cannot be read"),
+    "an included file": (lambda f: written(f, DECK + "*INCLUDE, INPUT=o\n"), "includes o, which is not beside it"),
     "unit": (lambda f: written(f, DECK, unit="km"), "unit is 'km'; expected one of"),
     "not finite": (lambda f: not_finite(), "node 3 lies at"),
     "millimetres": (lambda f: built(changed(points=1e3 * plate_mesh().points)), "read\\(..., unit='mm'\\)"),

@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from docs._extensions.notebooks import BLOCK
 from octmip.gap import Campaign, Recorded, diagnose, gathered
 from octmip.gap.campaign.metered import gathered_alike
 from octmip.gap.doors import FunctionTwin, read_card
 from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.twin import load_of
-from tests.test_examples import BLOCK, DOCS
+from tests.test_examples import DOCS
 from tests.test_octmip.test_gap_built import SD, SPRINGS, at_forces, springs
 
 LOADS = {

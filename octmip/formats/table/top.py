@@ -177,7 +177,7 @@ def _refuse_row(name: str, number: int, names: Sequence[str], rows: Sequence[Lin
     words = [j for j in range(len(names)) if j not in numeric]
     if (
         words
-        and all(names[j] and is_value(names[j]) for j in numeric)
+        and all(j < len(names) and names[j] and is_value(names[j]) for j in numeric)
         and all(any(names[j] == cells[j] for cells in below) for j in words)
     ):
         raise DataError(
