@@ -175,6 +175,11 @@ def test_words_under_units_are_no_row_where_all_columns_are_of_numbers(tmp_path)
     assert len(read_table(csv_file(tmp_path, f"Time\tg1\nms\tum/m\n\tSensor A\n{rows}")).frame) == 9
 
 
+@pytest.mark.parametrize("rows", ["m,,\nf,6,1.7\n", "real,,\nfake,1,2\n", "fake,1,2\nreal,,\n"])
+def test_a_class_that_is_a_unit_or_a_type_stands_in_a_row(tmp_path, rows):
+    assert len(read_table(csv_file(tmp_path, f"kind,a,b\n{rows}fake,3,4\nreal,5,6\n")).frame) == 4
+
+
 def test_words_in_cells_above_a_header_are_no_table(tmp_path):
     table = read_table(csv_file(tmp_path, "note,see,below\nnote,see,beside\nnote,or,ask\nx,y\n1,a\n2,b\n3,c\n"))
     assert (table.columns, len(table.frame)) == (("x", "y"), 3)

@@ -16,7 +16,7 @@ from octmip.formats.table.lines import (
     split_rows,
     width_of,
 )
-from octmip.formats.table.units import is_unit, unit_in
+from octmip.formats.table.units import is_type, is_unit, unit_in
 from octmip.input.messages import several
 
 END_OF_HEADER = "***End_of_Header***"
@@ -194,11 +194,21 @@ def _below_units(rows: Sequence[Line], number: int, first: int, numeric: Sequenc
         named = [cells[j] for j in numeric if j < len(cells) and cells[j]]
         rest = "".join(unit_in(cell) for j, cell in enumerate(cells) if j not in numeric)
         are_codes = bool(rest) or max(map(len, named), default=0) < 2  # A, N may be a class and an answer
-        is_of_types = bool(numeric) and len(cells) > 1 and not any(map(unit_in, cells))
         is_of_units = named and not any(map(is_value, named)) and is_units(cells)
-        if is_of_types or (is_of_units and (k == begin or not are_codes)):
+        if is_of_units and (k == begin or not are_codes):
             return max(first, k + 1)
-    return first
+    return max(first, _below_types(rows, begin) if numeric else first)
+
+
+def _below_types(rows: Sequence[Line], begin: int) -> int:
+    """Return the place below a row that names the type of every column, and below one of roles, as Orange writes."""
+    at = begin
+    while at < len(rows) and len(rows[at].cells) > 1:
+        named = [cell for cell in rows[at].cells if cell or at == begin]
+        if not named or not all(map(is_type, named)):
+            break
+        at += 1
+    return at
 
 
 def _between(
@@ -216,20 +226,28 @@ def _between(
     Origin's comments.
     """
     begin = next((k for k, row in enumerate(rows) if row.number > number), len(rows))
-    units = max((k for k in range(begin, first) if is_units(rows[k].cells)), default=begin)
+    types = min(first, _below_types(rows, begin) if numeric else begin)
+    units = max((k for k in range(begin, first) if _names_units(rows[k].cells, numeric)), default=begin)
     if rows[0].cells[0] in CAMPBELL:
         return list(rows[begin:first]), first
     number_first = rows[first].number if first < len(rows) else 0
     blank = {k for k, line in lines if not line.strip()}
     is_apart = number_first - 1 in blank and first - begin > 1
-    for k in range(units, first):
+    for k in range(max(units, types), first):
         cells = rows[k].cells
         is_word = len(cells) == 1 and n_names > 1 and not is_value(cells[0])
         holds_values = any(cells[j] and is_value(cells[j]) for j in numeric if j < len(cells))
         is_of_words = k > units and not any(cell for j, cell in enumerate(cells) if j not in numeric)
-        if not (is_units(cells) or is_word or ((is_apart or is_of_words) and not holds_values)):
+        if not (_names_units(cells, numeric) or is_word or ((is_apart or is_of_words) and not holds_values)):
             return list(rows[begin:k]), k
     return list(rows[begin:first]), first
+
+
+def _names_units(cells: Sequence[str], numeric: Sequence[int]) -> bool:
+    """Whether a row is one of units: of numbers where there are such columns, since m is a class too."""
+    return is_units(cells) and (
+        not numeric or any(cells[j] for j in numeric if j < len(cells)) or not any(map(unit_in, cells))
+    )
 
 
 def _without_comment(names: tuple[str, ...], n_cells: int) -> tuple[str, ...]:

@@ -62,12 +62,13 @@ _QUANTITIES = {
 }
 _LOGGER = frozenset({"TS", "RN", "NO.", "Time", "unitless", "bool", "text", "date", "none", "string"})
 """What a row of units says of columns that have none: time stamps and record numbers of a logger among them."""
-_LABELS = frozenset(
-    {"unit", "units", "einheit", "einheiten", "unité", "unités", "unidad", "unidades"}
-    | {"continuous", "discrete", "class", "meta", "string", "integer", "real", "numeric", "double", "float", "boolean"}
+_LABELS = frozenset({"unit", "units", "einheit", "einheiten", "unité", "unités", "unidad", "unidades"})
+"""What a row of units has in a column of words, in any case."""
+_TYPES = frozenset(
+    {"continuous", "discrete", "class", "meta", "string", "integer", "real", "numeric", "double", "float", "boolean"}
     | {"int32", "int64", "float32", "float64", "varchar", "timestamp", "i32", "i64", "f32", "f64", "str", "object"}
 )
-"""What a row of units has in a column of words, and a row of types in any, in any case."""
+"""What a row of types has in each column, and one of roles below it in some, in any case."""
 _MEASURE = re.compile(r"(?!.*\d\s*(?:\*\*|\^)).{1,40}")
 """What is given to pint: no long text, and no power of a number, which may have any number of digits."""
 _BEHIND = re.compile(
@@ -92,6 +93,11 @@ def is_unit(text: str) -> bool:
     """Whether a text is the name of a unit, in brackets or without, or says that units stand beside it."""
     plain = plain_unit(text)
     return plain in _UNITS or plain in _LOGGER or not unit_in(text)
+
+
+def is_type(cell: str) -> bool:
+    """Whether a cell of a row of types, or of roles, names one."""
+    return cell.lower() in _TYPES
 
 
 def unit_in(cell: str) -> str:
