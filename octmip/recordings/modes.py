@@ -2,10 +2,10 @@
 
 A window is cut into stretches of equal length. Each is identified alone, by covariance-driven stochastic subspace
 identification (SSI-cov) of pyOMA-2, and makes one row: how the rows differ is the covariance of frequencies and
-damping. Price: a
-stretch says too much damping, 4 % where it is 28 times as long as the mode remembers, 1 / (2 pi f zeta).
+damping. Price: a stretch says too much damping, 4 % where it is 28 times as long as the mode remembers,
+1 / (2 pi f zeta).
 
-Source: Peeters and De Roeck (1999).
+Source: Peeters & De Roeck (1999), Reference-based stochastic subspace identification for output-only modal analysis.
 """
 
 import contextlib
@@ -22,9 +22,8 @@ from octmip.errors import DataError, needed_by
 from octmip.recordings.recording import Channel, Floats
 from octmip.recordings.windows import STRETCHES, Window
 
-os.environ.setdefault("PYOMA_LOG_LEVEL", "WARNING")  # without it every run writes five lines on standard error
-os.environ.setdefault("PYOMA_DISABLE_MATPLOTLIB_LOGGING", "False")
-
+QUIET = {"PYOMA_LOG_LEVEL": "WARNING", "PYOMA_DISABLE_MATPLOTLIB_LOGGING": "False"}
+"""Read when pyOMA-2 is imported; without the first every run writes five lines on standard error."""
 NEAR = 0.1
 """A mode lies within this share of the frequency by which it is named."""
 SAMPLES = 10.0
@@ -105,7 +104,7 @@ def modes_of(
     if not (series and lowest > 0.0 and n_stretches > 1):
         raise DataError(
             f"{len(series)} channels, modes near {list(near)} Hz, {n_stretches} stretches; expected one channel, "
-            "positive frequencies and two stretches at the least; name them"
+            "positive frequencies and two stretches at least; name them"
         )
     first = series[0]
     for one in series[1:]:
@@ -169,6 +168,8 @@ def _identified(part: tuple[Floats, float], near: Sequence[float], heard: list[f
     found = np.full((len(near), 4), np.nan)
     if not len(samples):
         return found
+    for name, value in QUIET.items():
+        os.environ.setdefault(name, value)
     with needed_by("the identification of modes"), np.errstate():  # the import silences NumPy for the whole program
         from pyoma2.algorithms import SSI
         from pyoma2.setup import SingleSetup

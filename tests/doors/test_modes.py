@@ -1,7 +1,6 @@
 """Frequencies and damping of a simulated beam whose modes are known, from a recording of its vibrations."""
 
 import json
-from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from octmip.errors import DataError
 from octmip.interfaces.cli import main
 from octmip.recordings import Channel, modes_of
 
-pytestmark = pytest.mark.skipif(find_spec("pyoma2") is None, reason="pyOMA-2, octmip[modes], is not installed")
 NEAR = [4.0, 25.0, 70.0]
 BEAM = """
 import numpy as np

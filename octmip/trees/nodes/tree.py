@@ -20,7 +20,7 @@ missing?" alone: every reading goes to the other side.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, replace
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,16 +41,16 @@ class _Called(InWords):
 
     def __repr__(self) -> str:
         """Return the call that makes the node; of a large tree how many leaves it has in their place."""
-        n_leaves = len(leaves(self))  # type: ignore[arg-type]
+        n_leaves = len(leaves(cast("Node", self)))
         if n_leaves > MOST_LEAVES:
             return f"{type(self).__name__}(n_leaves={n_leaves})"
-        given = [one for one in fields(self) if one.init and getattr(self, one.name) != one.default]  # type: ignore[arg-type]
+        given = [one for one in fields(cast("Node", self)) if one.init and getattr(self, one.name) != one.default]
         words = [f"{one.name}=" * bool(one.kw_only) + repr(getattr(self, one.name)) for one in given]
         return f"{type(self).__name__}({', '.join(words)})"
 
     def __str__(self) -> str:
         """Return the tree as indented lines, as many as a screen holds; features and classes by their index."""
-        return "\n".join(first_lines(self))  # type: ignore[arg-type]
+        return "\n".join(first_lines(cast("Node", self)))
 
 
 @dataclass(frozen=True, slots=True, repr=False)
