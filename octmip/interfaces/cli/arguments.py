@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import math
+import re
 import textwrap
 from collections.abc import Iterable, Iterator
 from typing import NoReturn
@@ -28,6 +29,10 @@ GROUPS = (DATA, TREE, LOSS, METHOD, OUTPUT)
 OF_METHODS = "options of the methods, by --option NAME=VALUE"
 
 
+def _number_wanted(found: re.Match[str]) -> str:
+    return f"{found[1]} is {found[3]}; expected a {'whole ' * (found[2] == 'int')}number; correct it"
+
+
 class Parser(argparse.ArgumentParser):
     """A parser whose errors are one line, like every other error of the command.
 
@@ -48,8 +53,9 @@ class Parser(argparse.ArgumentParser):
             self.add_argument_group(title)
 
     def error(self, message: str) -> NoReturn:
-        """Raise the message of argparse as a DataError."""
-        raise DataError(f"{message}; see {self.prog} --help")
+        """Raise the message of argparse as a DataError, in words of numbers where it has those of Python."""
+        words = re.sub(r"^argument (.*): invalid (int|float) value: (.*)$", _number_wanted, message)
+        raise DataError(f"{words}; see {self.prog} --help")
 
     def finish(self) -> "Parser":
         """Add --help as the last option, and shorten the usage to what must be given."""

@@ -28,6 +28,7 @@ BAD_WORDS = {
     "depth 0": (["--depth", 0], "depth is 0; expected a whole number from 1"),
     "a proof of no depth": (["--proof", "log"], "--proof is given without --depth"),
     "unknown option": (["--depth", 1, "--dept", 2], "unrecognized arguments: --dept"),
+    "depth in words": (["--depth", "two"], "--depth is 'two'; expected a whole number; correct it"),
     "unknown method": (["--depth", 1, "--method", "magic"], "invalid choice: 'magic'"),
     "a start of HiGHS without HiGHS": (
         ["--depth", 1, "--option", "start=search"],
