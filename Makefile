@@ -7,8 +7,9 @@ NATIVE := $(shell find octmip/trees/native -name target -prune -o -type f ! -nam
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes: modules are compiled once, whatever the environment says.
 export PYTHONDONTWRITEBYTECODE :=
+PYTEST := MAKEFLAGS= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
 
-.PHONY: uav mission blind test lint lint-python lint-python-then-test-rust test-rust pytest wheel site verified tools benchmarks clean
+.PHONY: uav mission blind test lint lint-python lint-python-then-test-rust test-rust pytest long wheel site verified tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
@@ -27,7 +28,11 @@ test: | tools
 	$(MAKE) --jobs 2 $(VENV)/.core lint-python-then-test-rust pytest
 
 pytest: $(VENV)/.installed-test
-	MAKEFLAGS= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
+	$(PYTEST)
+
+# The tests marked long: more seeds and cases, studies, the whole site, the wheel in detail.
+long: $(VENV)/.installed-test
+	$(PYTEST) --long
 
 lint: lint-python | tools
 	cd octmip/trees/native && cargo fmt --all --check && cargo clippy --profile checks --quiet --workspace --all-targets -- -D warnings

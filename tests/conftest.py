@@ -9,16 +9,30 @@ import pytest
 
 from tests.installed import Installed, installed, shared_folder
 
-LONG = (
+FIRST = (
     *("test_installed", "test_site", "test_blind", "test_examples", "test_tutorial", "test_uav_study"),
     *("test_fuzz_everything", "test_cli_signals", "test_doors", "test_cluster"),
 )
-"""The longest files: begun first, so that no process is left alone with one at the end."""
+"""The files that take longest: begun first, so that no process is left alone with one at the end."""
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put the long files before all others."""
-    items.sort(key=lambda item: LONG.index(item.path.stem) if item.path.stem in LONG else len(LONG))
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the switch of the long tests."""
+    parser.addoption("--long", action="store_true", help="run the tests marked long instead of all others")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave the long tests out, or all others with --long, and put the files that take longest first."""
+    asked = config.getoption("--long")
+    config.hook.pytest_deselected(items=[item for item in items if is_long(item) != asked])
+    items[:] = [item for item in items if is_long(item) == asked]
+    items.sort(key=lambda item: FIRST.index(item.path.stem) if item.path.stem in FIRST else len(FIRST))
+
+
+def is_long(item: pytest.Item) -> bool:
+    """Return whether a test is marked long: the mark names the cases of a table that are, or none where all are."""
+    mark = item.get_closest_marker("long")
+    return mark is not None and (not mark.args or item.callspec.id in mark.args)  # type: ignore[attr-defined]
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -17,7 +17,12 @@ from docs._extensions.notebooks import code_of
 from octmip.interfaces.cli import main
 
 DOCS = Path(__file__).parent.parent / "docs"
-PAGES = [DOCS / "index.md", *sorted((DOCS / "examples").rglob("*.md")), *sorted((DOCS / "howto").glob("*.md"))]
+PAGES = [
+    DOCS / "index.md",
+    DOCS / "tutorial.md",
+    *sorted((DOCS / "examples").rglob("*.md")),
+    *sorted((DOCS / "howto").glob("*.md")),
+]
 SHOWN = re.compile(r"!\[[^\]]*\]\((?:\.\./)?pictures/examples/([^)\s]+)\)")
 
 
@@ -55,6 +60,7 @@ def run_page(text: str, name: str) -> None:
             assert_output(printed, wanted, f"{name}: {source}" if is_command else name)
 
 
+@pytest.mark.long("structures/panel", "structures/tower", "examples/placement", "examples/budget", "howto/parts")
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: f"{page.parent.name}/{page.stem}")
 def test_every_example_prints_what_its_page_says(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

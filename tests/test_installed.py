@@ -54,6 +54,7 @@ isotropic_plate("thick", 0.3, 1.0)
 """
 
 
+@pytest.mark.long
 def test_the_wheel_holds_both_packages_whole_and_no_native_source(installed_octmip: Installed) -> None:
     tracked = subprocess.run(["git", "ls-files", "octmip", "femlib"], capture_output=True, text=True, cwd=ROOT)
     if tracked.returncode or not tracked.stdout:
@@ -67,6 +68,7 @@ def test_the_wheel_holds_both_packages_whole_and_no_native_source(installed_octm
     assert "-abi3-" in installed_octmip.wheel.name
 
 
+@pytest.mark.long
 def test_an_installation_fetches_little_and_no_package_of_an_extra(installed_octmip: Installed) -> None:
     fetched = {file.name: file.stat().st_size for file in installed_octmip.downloads.iterdir()}
     assert sum(fetched.values()) <= MOST_DOWNLOADED, fetched
@@ -74,6 +76,7 @@ def test_an_installation_fetches_little_and_no_package_of_an_extra(installed_oct
     assert not extras & {name.partition("-")[0].lower() for name in fetched}
 
 
+@pytest.mark.long
 def test_the_installed_wheel_solves_and_certifies(installed_octmip: Installed, tmp_path: Path) -> None:
     (tmp_path / "program.py").write_text(PROGRAM)
     done = installed_octmip.run("python", "-W", "error", "program.py", cwd=tmp_path)
@@ -83,6 +86,7 @@ def test_the_installed_wheel_solves_and_certifies(installed_octmip: Installed, t
     assert (float(objective), float(gap)) == (0.0, 0.0)
 
 
+@pytest.mark.long
 def test_the_installed_command_goes_from_a_table_to_predictions(installed_octmip: Installed, tmp_path: Path) -> None:
     (tmp_path / "table.csv").write_text(TABLE)
     for words in (
@@ -113,6 +117,7 @@ def test_the_commands_and_programs_of_the_readme_run_in_an_empty_environment(
     assert (tmp_path / "tree.html").exists()
 
 
+@pytest.mark.long
 def test_mypy_sees_the_types_of_the_installed_packages(installed_octmip: Installed, tmp_path: Path) -> None:
     (tmp_path / "typed.py").write_text(TYPED)
     (tmp_path / "mistyped.py").write_text(MISTYPED)

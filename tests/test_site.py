@@ -39,21 +39,24 @@ class Page(HTMLParser):
             self.loaded.append(values[LOADED[tag]] or "")
 
 
-@pytest.fixture(scope="module")
-def site(tmp_path_factory) -> Path:
+def built(out: Path, *settings: str) -> Path:
     missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
     if missing:
         pytest.skip(f"the site is built with the extra docs; {', '.join(missing)} is not installed")
-    out = tmp_path_factory.mktemp("site")
     # The theme of the site takes as long again to write its menus into every page.
-    plain = ["-b", "html", "-D", "html_theme=basic", "-d", f"{out}/read", "docs"]
-    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", *plain]
+    words = ["-W", "--keep-going", "-q", "-b", "html", "-d", f"{out}/read"]
+    for setting in ("html_theme=basic", *settings):
+        words += ["-D", setting]
+    command = [sys.executable, "-m", "sphinx", *words, "docs", f"{out}/html"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    built = subprocess.run(
-        [*command, f"{out}/html"], cwd=ROOT, env=environment, capture_output=True, text=True, check=False
-    )
-    assert built.returncode == 0, built.stderr
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
     return out / "html"
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory) -> Path:
+    return built(tmp_path_factory.mktemp("site"))
 
 
 @pytest.fixture(scope="module")
@@ -61,6 +64,7 @@ def pages(site) -> dict[Path, Page]:
     return {path.resolve(): Page(path) for path in site.rglob("*.html")}
 
 
+@pytest.mark.long
 def test_every_page_of_the_documentation_is_on_the_site(site):
     wanted = {page.relative_to(ROOT / "docs").with_suffix(".html") for page in (ROOT / "docs").rglob("*.md")}
     assert len(wanted) > 50
@@ -70,6 +74,7 @@ def test_every_page_of_the_documentation_is_on_the_site(site):
     assert '<a href="tutorial.ipynb"' in (site / "tutorial.html").read_text()
 
 
+@pytest.mark.long
 def test_links_lead_to_pages_and_places(pages):
     broken = []
     for path, page in pages.items():
@@ -83,6 +88,7 @@ def test_links_lead_to_pages_and_places(pages):
     assert broken == []
 
 
+@pytest.mark.long
 def test_a_reader_by_keyboard_and_ear_gets_levels_names_and_focus(site):
     found = {path: path.read_text() for path in site.rglob("*.html")}
     wrong = ("<pre>", 'role="heading">', "doc-biblioentry", '<th class="head"></th>', "(</span><dl>", "<p></p></th>")
@@ -90,6 +96,7 @@ def test_a_reader_by_keyboard_and_ear_gets_levels_names_and_focus(site):
     assert '<span class="sig-line">' in found[site / "api" / "solve.html"]
 
 
+@pytest.mark.long
 def test_the_site_loads_nothing_from_elsewhere(pages):
     for path, page in pages.items():
         assert [name for name in page.loaded if re.match(r"(https?:)?//", name)] == [], path
@@ -98,12 +105,14 @@ def test_the_site_loads_nothing_from_elsewhere(pages):
         )
 
 
+@pytest.mark.long
 def test_every_example_and_result_page_shows_a_picture(pages, site):
     for name in ("index", "examples/command", "examples/risk", "uav", "mission", "sensing", "wing", "how-long"):
         page = pages[(site / f"{name}.html").resolve()]
         assert any("_images/" in picture for picture in page.loaded), name
 
 
+@pytest.mark.long
 def test_the_search_of_the_site_lists_the_page_that_answers(site):
     """The search of Sphinx asks for every word, by its stem, in the text or the title of a page."""
     from sphinx.search.en import SearchEnglish
@@ -120,6 +129,19 @@ def test_the_search_of_the_site_lists_the_page_that_answers(site):
             search for pair in lists if not any(place in (one if isinstance(one, list) else [one]) for one in pair)
         ]
     assert without == []
+
+
+def test_a_page_of_each_kind_is_built_without_a_warning(tmp_path):
+    kinds = ("tutorial", "api/certificate", "howto/monotone", "examples/risk")
+    absent = "ref.python,myst.xref_missing,toc.not_included"  # the other pages
+    some = "include_patterns=" + ",".join(f"{page}.md" for page in kinds)
+    small = built(tmp_path, "master_doc=tutorial", some, f"suppress_warnings={absent}")
+    found = {page: Page(small / f"{page}.html") for page in kinds}
+    assert "octmip.trees.answer.certificate.Certificate.errors" in found["api/certificate"].places
+    assert any("_images/" in picture for picture in found["examples/risk"].loaded)
+    assert (small / "tutorial.ipynb").exists()
+    for page in found.values():
+        assert [name for name in page.loaded if re.match(r"(https?:)?//", name)] == []
 
 
 def test_a_card_of_the_gallery_has_one_picture_of_its_own():

@@ -5,6 +5,8 @@ import json
 import re
 from pathlib import Path
 
+import pytest
+
 from docs._extensions.notebooks import code_of
 from tests.installed import Installed
 
@@ -27,6 +29,7 @@ json.dump(said, open("said.json", "w"))
 """
 
 
+@pytest.mark.long
 def test_the_tutorial_runs_from_installation_to_page(installed_octmip_plot: Installed, tmp_path: Path) -> None:
     cells = code_of(PAGE.read_text())
     (tmp_path / "runner.py").write_text(RUNNER)

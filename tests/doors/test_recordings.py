@@ -81,6 +81,7 @@ def told(capsys, path, *words):
     return json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.long("DataFlash", "lvm", "MCAP", "rosbag", "MAT", "TOA5", "UFF58", "miniSEED")
 @pytest.mark.parametrize("form", FORMATS)
 def test_one_command_tells_of_each_format_what_the_table_of_the_same_truth_tells(form, at, first, capsys):
     name, _, places = FORMATS[form]

@@ -113,6 +113,7 @@ def diagnosed(tmp_path_factory, strips):
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["none", "single", "gauge"])
 def test_the_diagnosis_is_right_about_a_clear_case_of_another_hand(diagnosed, name):
     found, key = diagnosed[name]
@@ -138,6 +139,7 @@ def test_a_changed_key_breaks_its_seal(folder, tmp_path):
         open_keys(folder, changed)
 
 
+@pytest.mark.long
 def test_a_set_that_was_stopped_goes_on_where_it_was(folder, monkeypatch):
     path = folder / "diagnosis.jsonl"
     whole = path.read_text()

@@ -19,6 +19,7 @@ def test_half_a_file_would_be_seen(monkeypatch):
     assert not kills.is_whole_or_absent("page", 0)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:no worker of the cluster is left")
 def test_a_killed_worker_costs_no_answer(monkeypatch):
     line = workers.kill_workers(0, 1)

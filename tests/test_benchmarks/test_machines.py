@@ -67,6 +67,7 @@ def test_intervals_are_held_by_the_size_of_their_own_effect_alone():
     assert inside(said, key) == [True]
 
 
+@pytest.mark.long
 def test_without_a_run_constants_are_judged_beside_those_of_the_asset(tmp_path):
     said = run_bare(tmp_path / "bare", 4, 4, ["tanks"])
     assert "names stated at 0.95 and more, wrong" in said
@@ -79,6 +80,7 @@ def test_without_a_run_constants_are_judged_beside_those_of_the_asset(tmp_path):
     assert today(machine, own, {"lift": 0.5})["lift"] == pytest.approx(3.4 * 1.1 * 1.5)
 
 
+@pytest.mark.long
 def test_a_tie_is_settled_by_the_proposed_test_and_not_by_a_random_repeat():
     assert ties.run(6, 1) == (
         "Seed 6: 1 ties among 2 single faults; the proposal settles 1 (cell 1 of 1), a random repeat 0."

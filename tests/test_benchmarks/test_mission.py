@@ -55,6 +55,7 @@ def test_policies_keep_their_order(aircraft: Aircraft):
     assert steps[oracle] <= steps[planner] <= steps[always] == WIDE_STEPS
 
 
+@pytest.mark.long
 def test_damage_at_two_gauges_is_told_by_the_watch_and_not_one_gauge_at_a_time(aircraft: Aircraft, monkeypatch):
     monkeypatch.setattr(local_damage, "DAMAGED", (2,))
     monkeypatch.setattr(local_damage, "FAILED", (1,))
@@ -64,6 +65,7 @@ def test_damage_at_two_gauges_is_told_by_the_watch_and_not_one_gauge_at_a_time(a
     assert int(str(failed["the watch"]).split()[0]) >= 7
 
 
+@pytest.mark.long
 def test_bands_of_a_forecast_hold_most_lives(aircraft: Aircraft, monkeypatch):
     monkeypatch.setattr(lives, "LONGEST", 1200)
     monkeypatch.setattr(lives, "FLOWN", 10)

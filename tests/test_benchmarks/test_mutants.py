@@ -78,6 +78,7 @@ def test_core():
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("after", "outcome", "by"),
     [
@@ -109,6 +110,7 @@ def test_a_mutant_of_the_core_is_compiled_and_asked_by_both_kinds_of_tests(after
     assert runs.core.read_text() == "sound"
 
 
+@pytest.mark.long
 def test_a_run_draws_by_its_seed_and_its_summary_names_who_lives(tree):
     lines = [next(study.results(9.0, [1], only="octmip/sums.py", seed=5, draws=1)) for _ in range(2)]
     assert lines[0]["size"] == lines[1]["size"]

@@ -49,6 +49,7 @@ def test_heavy_masses_are_predicted_from_lighter_ones(limit):
     assert pazy.held_out(limit)[2] > 0.9
 
 
+@pytest.mark.long
 @needs_uav
 def test_the_measured_frequencies_ask_for_a_mass_near_the_node_of_the_second_mode(coarse):
     found = measured.diagnosis()
@@ -77,6 +78,7 @@ def wing():
     return CachedTwin(reduced_twin(tapered_wing(refinement=0.5)))  # the asset is that wing by another code
 
 
+@pytest.mark.long
 @needs_asset
 @pytest.mark.parametrize("with_itself", [False, True])
 def test_the_commissioning_run_of_the_asset_is_called_sound(wing, with_itself):

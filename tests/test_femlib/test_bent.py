@@ -30,6 +30,7 @@ def test_load_factor_three_relieves_tip_and_strain_as_two_independent_codes_foun
     assert bent.tip[1] < -0.004  # the tip comes inboard
 
 
+@pytest.mark.long
 def test_load_steps_do_not_change_the_answer(tiny: Wing) -> None:
     few, usual = bend(tiny, {}, 3.0, steps=3), bend(tiny, {}, 3.0)
     assert few.strain_microstrain == pytest.approx(usual.strain_microstrain, rel=1e-6)

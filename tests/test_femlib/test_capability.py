@@ -19,6 +19,7 @@ def capable(tiny, tiny_reduced) -> Capability:
     return wing_capability(tiny, tiny_reduced, n_states=16, n_checks=1)
 
 
+@pytest.mark.long
 def test_reduced_limits_are_those_of_the_full_wing_in_states_that_were_not_sampled(tiny, capable):
     limits = wing_limits(tiny)
     down = replace(limits, row=-limits.row)  # a deflection counts in either direction

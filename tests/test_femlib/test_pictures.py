@@ -45,6 +45,7 @@ def test_vtk_renders_off_screen(tiny: Wing, tmp_path: Path) -> None:
     assert (tmp_path / "wing.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.long
 def test_the_command_writes_its_pictures(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -31,6 +31,7 @@ def test_the_full_models_frequencies_lie_between_the_bounds(model: ReducedModes,
     assert below[0] == pytest.approx(truth[0], rel=1e-3)
 
 
+@pytest.mark.long
 def test_a_poor_basis_is_still_bounded(tiny: Wing, truth: np.ndarray) -> None:
     poor = reduce_modes(tiny.structure, mass_matrix(tiny), N_MODES, tolerance=0.3, n_joint=0)
     above, below = poor.frequencies(STATES), poor.lower_bounds(STATES)

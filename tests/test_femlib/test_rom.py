@@ -61,6 +61,7 @@ def test_the_bound_is_never_below_the_true_error(coarser: Wing, reduced: Reduced
     assert error.max() < 0.02
 
 
+@pytest.mark.long("1-0.1")
 @pytest.mark.parametrize(("n_damaged", "aim"), [(1, 0.1), (3, 0.1), (8, 1.0), (28, 1.0)])
 def test_28_regions_are_within_their_aim_and_their_bound(
     many: PortFlexibility, many_reduced: ReducedModel, n_damaged: int, aim: float

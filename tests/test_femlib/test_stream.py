@@ -109,6 +109,7 @@ def peak(path: Path, n_states: int) -> tuple[int, int]:
     return held, int(pa.default_memory_pool().max_memory())
 
 
+@pytest.mark.long
 def test_memory_does_not_grow_with_the_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(parquet, "GROUP_ROWS", 2048)
     monkeypatch.setattr(stream, "WAVE", 2)

@@ -103,7 +103,14 @@ def test_each_class_gives_its_share_but_never_its_last_row():
 
 
 def test_the_rows_are_those_of_every_version():
-    assert np.flatnonzero(held_out_rows(np.array([0, 1] * 6), 0.5, seed=0)).tolist() == [1, 2, 3, 6, 8, 11]
+    assert np.flatnonzero(held_out_rows(np.array([0, 1] * 6), 0.5, seed=0)).tolist() == [0, 3, 4, 7, 9, 10]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_rows_of_a_table_that_the_same_seed_drew_are_held_out_whatever_they_read(seed):
+    drawn = np.random.default_rng(seed).random(2000)
+    held = drawn[held_out_rows(np.zeros(2000), 0.25, seed)]
+    assert abs(held.mean() - 0.5) < 4 * np.sqrt(1 / 12 / len(held))
 
 
 @pytest.mark.parametrize("share", [0.0, 1.0, -0.1, float("nan"), 0.01])

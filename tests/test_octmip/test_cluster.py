@@ -85,6 +85,7 @@ def test_the_parts_of_a_log_are_joined_and_checked(asked: Client, tmp_path) -> N
     assert check_proof(problem, shared).bound == found.objective
 
 
+@pytest.mark.long
 def test_a_worker_that_is_killed_costs_no_result(client: Client) -> None:
     problem = hard(1200, 4)
     alone = branch_and_bound(hard(1200, 3))
@@ -211,6 +212,7 @@ def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: 
         assert task._is_lost() == (error == "KilledWorker")
 
 
+@pytest.mark.long
 def test_a_turn_that_is_cut_short_leaves_no_solver_behind(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = shared_problem({}, [])
     for is_whole in (None, False, True):

@@ -22,25 +22,25 @@ from octmip.interfaces.estimator.settings import seed_of, threads_of
 
 IRIS = load_iris(return_X_y=True)
 CHECKS = """
-import json, os, warnings
+import json, os, sys, warnings
 os.environ["SCIPY_ARRAY_API"] = "1"  # scipy reads it when it is imported; without it some checks are skipped
 from sklearn.utils.estimator_checks import check_estimator
 from octmip import OptimalTreeClassifier, OptimalTreeRegressor
-# Without time CART's prunings alone are chosen among, which is the same for every run.
-estimators = OptimalTreeClassifier(max_depth=2), OptimalTreeRegressor(seconds=0.0)
 warnings.simplefilter("ignore")
-found = [check_estimator(estimator, on_skip=None, on_fail=None) for estimator in estimators]
-rows = [[(one["check_name"], one["status"], str(one["exception"])) for one in checks] for checks in found]
-print(json.dumps(rows))
+found = check_estimator(eval(sys.argv[1]), on_skip=None, on_fail=None)
+print(json.dumps([(one["check_name"], one["status"], str(one["exception"])) for one in found]))
 """
 
 
-def test_classifier_and_regressor_pass_all_of_scikit_learns_own_checks():
+# Without time CART's prunings alone are chosen among, which is the same for every run.
+@pytest.mark.long("OptimalTreeRegressor(seconds=0.0)")
+@pytest.mark.parametrize("estimator", ["OptimalTreeClassifier(max_depth=2)", "OptimalTreeRegressor(seconds=0.0)"])
+def test_classifier_and_regressor_pass_all_of_scikit_learns_own_checks(estimator):
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    done = subprocess.run([sys.executable, "-c", CHECKS], env=environment, capture_output=True, text=True, check=True)
-    for results in json.loads(done.stdout):
-        assert len(results) > 45
-        assert not [found for found in results if found[1] != "passed"]
+    command = [sys.executable, "-c", CHECKS, estimator]
+    results = json.loads(subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout)
+    assert len(results) > 45
+    assert not [found for found in results if found[1] != "passed"]
 
 
 def test_importing_octmip_imports_neither_scikit_learn_nor_pandas():

@@ -1,6 +1,7 @@
 """Every cell of the registry by the same checks: whatever is registered keeps what a Solution promises."""
 
 import math
+import pickle
 from dataclasses import fields
 
 import numpy as np
@@ -100,6 +101,23 @@ def test_a_weight_of_two_is_a_sample_twice_and_the_order_of_samples_and_features
     often = solve(problem(loss, split, rows, weights=np.ones(len(rows)), features=features), method)
     if is_one_optimum(method, once) and is_one_optimum(method, often):
         assert once.objective == pytest.approx(often.objective, rel=1e-12)
+
+
+def sent(value):
+    """Return a copy as another process receives it: arrays that begin at any byte of what came."""
+    parts = []
+    words = pickle.dumps(value, protocol=5, buffer_callback=parts.append)
+    return pickle.loads(words, buffers=[memoryview(b"-" + part.raw().tobytes())[1:] for part in parts])
+
+
+def test_a_problem_that_another_process_sent_has_the_same_answer(cell):
+    loss, split, method = cell
+    asked = problem(loss, split)
+    assert not sent(FEATURES).flags.aligned
+    received = sent(asked)
+    found = solve(received, method)
+    assert found.objective == solve(asked, method).objective
+    certify(received, found)
 
 
 def test_threads_change_nothing_and_a_known_tree_or_a_limit_leaves_what_is_true(cell):

@@ -90,6 +90,7 @@ def test_a_proof_that_memory_ends_is_followed_by_a_search_with_its_bound() -> No
     assert certify(problem, found).objective < 0.8 * leaf.objective
 
 
+@pytest.mark.long
 def test_the_bound_of_a_large_table_rises_step_by_step_before_its_proof_ends() -> None:
     random = np.random.default_rng(0)
     features = random.normal(size=(420_000, 10))

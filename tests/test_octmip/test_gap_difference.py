@@ -91,6 +91,7 @@ def day(seed, sd):
     return lambda state, load, time: offset
 
 
+@pytest.mark.long
 def test_tests_of_a_run_that_differ_show_by_how_much_the_campaign_may():
     days = joined([measured(1100 + k, day(k, 40.0)) for k in range(8)])
     wander = prepared(measured(5), days).difference.wander

@@ -121,6 +121,7 @@ def outcome_of(objective: float, claimed: float) -> highs.Outcome:
     return highs.Outcome(None, objective, claimed, claimed, Stop.OPTIMAL, "kOptimal", 1, 0.0, claimed, claimed)
 
 
+@pytest.mark.long
 def test_what_a_leaking_model_claims_is_not_believed_and_said_with_both_numbers():
     problem = iris(depth=2)
     solution = engine.solve_formulation(

@@ -99,6 +99,7 @@ def test_what_is_remembered_of_other_nodes_holds_for_the_samples_asked():
         assert price <= best_price(part, samples)
 
 
+@pytest.mark.long
 def test_benders_runs_without_a_line_of_the_exact_core():
     program = """
 import sys

@@ -37,6 +37,7 @@ def is_alive(pid: int) -> bool:
     return os.path.exists(f"/proc/{pid}")
 
 
+@pytest.mark.long
 def test_a_relaxation_that_is_silent_ends_at_the_limit():
     for problem, solver in (
         (noisy(1750, 20, 2, split="hyperplane"), solve_oct_h),
@@ -183,6 +184,7 @@ def test_a_model_that_highs_refuses_is_an_error_with_its_name():
         highs.run(rows, highs.Options())
 
 
+@pytest.mark.long
 def test_masters_are_solved_beside_others_who_use_highs_with_other_threads():
     program = """
 import highspy, numpy as np

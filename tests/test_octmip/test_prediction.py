@@ -30,6 +30,8 @@ def test_the_core_reaches_the_leaves_of_the_reference(seed, dtype):
     tree = drawn(rng, 1 + seed % 6, seed % 2)
     assert np.array_equal(reached_leaves(tree, rows), leaf_index(tree, rows))
     assert np.array_equal(octmip.predict(tree, rows), predict(tree, rows))
+    moved = np.frombuffer(b"-" + rows.tobytes(), dtype=dtype, offset=1).reshape(rows.shape)  # as sent
+    assert np.array_equal(reached_leaves(tree, moved), leaf_index(tree, rows))
 
 
 def test_one_leaf_at_two_places_is_two_leaves():

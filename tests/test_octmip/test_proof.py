@@ -181,5 +181,5 @@ def test_a_file_holds_every_number_to_the_last_bit() -> None:
 @pytest.mark.skipif(shutil.which("cargo") is None, reason="cargo, which builds octmip-check, is missing")
 def test_no_mangled_pair_of_files_is_accepted_for_more_than_is_true():
     command = check_command.built()
-    outcomes = {seed: check_command.corrupted(seed, command)[1] for seed in range(30)}
+    outcomes = {seed: check_command.corrupted(seed, command)[1] for seed in range(10)}
     assert not {seed: outcome for seed, outcome in outcomes.items() if outcome not in ("refused", "true")}

@@ -63,6 +63,7 @@ def test_needless_features_go_and_numbers_become_short_and_offsets_lie_in_mid_ga
     assert len(repr(simple.offset)) <= 4
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32))
 def test_the_margin_is_nine_tenths_of_the_widest_over_all_angles(seed):

@@ -84,7 +84,9 @@ def reached_leaves(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int6
     is_plain = isinstance(features, np.ndarray) and features.ndim == 2 and features.dtype in (np.float64, np.float32)
     every = list(nodes(tree))
     is_small = len(every) < FEW_NODES and len(features) < FEW_ROWS
-    if not is_plain or is_small or isinstance(tree, Leaf) or not features.flags.c_contiguous:
+    if not is_plain or is_small or isinstance(tree, Leaf):
+        return leaf_index(tree, features)
+    if not (features.flags.c_contiguous and features.flags.aligned):  # as another process may send it
         return leaf_index(tree, features)
     if any(not isinstance(node, Leaf | Split) for node in every):
         return leaf_index(tree, features)

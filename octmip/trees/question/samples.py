@@ -1,7 +1,7 @@
 """Samples: what a Problem is about, each row with its readings, its target and its weight, checked and named."""
 
 from collections.abc import Iterable
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -88,6 +88,12 @@ class Samples:
             set_field(self, name, value)
         set_field(self, "n_classes", len(self.class_names))
         set_field(self, "weights", weights_of(self.weights, self.n_samples))
+
+    def __setstate__(self, state: list[Any]) -> None:
+        """Take what another process sent: its arrays may begin at any byte, and the native core reads whole words."""
+        for one, value in zip(fields(self), state, strict=True):
+            is_moved = isinstance(value, np.ndarray) and not value.flags.aligned
+            set_field(self, one.name, value.copy() if is_moved else value)
 
     def _of_classes(self) -> Iterable[Any]:
         return classes_of(self.targets, self.class_names, self.class_order, self.n_samples)

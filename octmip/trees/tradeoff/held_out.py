@@ -1,7 +1,8 @@
 """Held-out samples: rows kept from training, and what a tree and CART lose on both parts.
 
 Which rows are held out follows from the labels, a share and a seed alone, by the raw stream of PCG64, which NumPy
-promises to keep: a tree file names share and seed, and its training rows are found again years later.
+promises to keep: a tree file names share and seed, and its training rows are found again years later. The stream is
+not that of `default_rng(seed)`, by which a user may have drawn the very table: rows of low draws would be held out.
 """
 
 from collections.abc import Callable, Mapping
@@ -21,6 +22,8 @@ from octmip.trees.question.losses import Loss
 from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff.validation import Expected
 
+OWN_STREAM = 0x6865_6C64
+"""Entropy beside the seed of held-out rows."""
 Z_95 = 1.96
 """Standard errors to either side of a mean that hold 95 % of a normal distribution."""
 
@@ -36,7 +39,7 @@ def held_out_rows(labels: NDArray[Any], share: float, seed: int) -> NDArray[np.b
     if not 0.0 < share < 1.0:
         raise ProblemError(f"the share held out is {share}; expected more than 0 and less than 1, such as 0.25")
     _, codes = distinct_labels(labels)
-    order = np.lexsort((np.random.PCG64(seed).random_raw(len(codes)), codes))
+    order = np.lexsort((np.random.PCG64([seed, OWN_STREAM]).random_raw(len(codes)), codes))
     is_held = np.zeros(len(codes), dtype=np.bool_)
     for rows in np.split(order, np.cumsum(np.bincount(codes))[:-1]):
         is_held[rows[: min(len(rows) - 1, int(share * len(rows) + 0.5))]] = True

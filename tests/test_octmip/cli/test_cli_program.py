@@ -110,6 +110,7 @@ def test_doctor_names_what_is_absent_and_what_is_broken(run, monkeypatch):
     assert out.splitlines()[-1].startswith("This installation does not work")
 
 
+@pytest.mark.long("pandas")
 @pytest.mark.parametrize("module", ["octmip.trees._native", "pandas"])
 def test_doctor_works_where_the_installation_does_not(module):
     code = f"import sys; sys.modules['{module}'] = None; from octmip.interfaces.cli import main\n"

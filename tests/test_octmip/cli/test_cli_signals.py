@@ -248,6 +248,7 @@ def test_a_process_that_gets_no_more_memory_has_its_result_or_one_sentence(
     assert ends.limited(command, folder, megabytes) in ("result", "one sentence")
 
 
+@pytest.mark.long("compare-full", "sensors-full", "frontier-full", "diagnose-closed")
 @on_linux
 @pytest.mark.parametrize(
     ("command", "end"),
