@@ -59,6 +59,7 @@ def first():
     return {}
 
 
+@pytest.mark.long("DataFlash", "rosbag")
 @pytest.mark.parametrize("form", FORMATS)
 def test_each_format_holds_the_truth_and_makes_the_same_campaign(form, at, twin, first):
     name, _, places = FORMATS[form]
@@ -302,6 +303,7 @@ def test_matrices_of_mat_7_3_have_a_column_for_each_channel(at):
     assert opened["g/2"].values == pytest.approx(2 * time)
 
 
+@pytest.mark.long("MDF")
 @pytest.mark.parametrize("form", FORMATS)
 def test_a_file_that_was_cut_is_read_as_far_as_it_goes_or_refused_in_one_sentence(form, at):
     name, _, places = FORMATS[form]

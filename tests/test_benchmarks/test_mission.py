@@ -36,6 +36,7 @@ def test_a_table_twin_is_the_wing_at_its_levels_and_close_between_them(aircraft:
     assert aircraft.strains(between) == pytest.approx(near, abs=0.5)
 
 
+@pytest.mark.long
 def test_policies_keep_their_order(aircraft: Aircraft):
     lost, cost, steps = {}, {}, {}
     brain = Brain.of(aircraft, 10)

@@ -153,6 +153,7 @@ def test_the_hover_twin_balances_forces_and_moments():
     assert np.sign(ways).tolist() == [-1, -1, 1, 1]
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not DATA.exists(), reason="the real measurements are not beside this checkout")
 def test_the_practice_stretches_of_the_beam_are_right():
     tests = pd.read_csv(DATA / "beam" / "tests.csv").set_index("segment")

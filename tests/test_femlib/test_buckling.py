@@ -67,6 +67,7 @@ def test_a_square_plate_buckles_at_timoshenkos_load(
     np.testing.assert_allclose(coefficients(n, xx, xy, triangles), exact, rtol=within)
 
 
+@pytest.mark.long
 def test_the_wing_buckles_and_vibrates_with_its_damage_load_and_masses(tiny: Wing) -> None:
     sound, damaged = (buckle(tiny, state, limit=9.0)[0] for state in ({}, {"mu1": 0.95}))
     assert 0.0 < damaged.factor != pytest.approx(sound.factor, rel=1e-3)

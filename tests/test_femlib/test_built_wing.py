@@ -43,6 +43,7 @@ def test_it_is_near_the_published_strains(built, published: MeanStrains):
         assert np.sqrt(np.mean((found - increment) ** 2)) < most * np.abs(increment).max()
 
 
+@pytest.mark.long
 def test_it_bears_three_g_sound_buckles_far_above_and_less_with_damage(built):
     limits, mu1 = wing_limits(built), np.array([name == "mu1" for name in built.parameters])
     sound, damaged = (full_limits(built.structure, limits, built.lift, mu * mu1) for mu in (0.0, 0.8))

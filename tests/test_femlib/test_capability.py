@@ -50,6 +50,7 @@ def test_states_have_one_two_three_or_all_regions_damaged_in_turns():
     assert np.count_nonzero(states, axis=1).tolist() == [1, 2, 3, 6] * 2
 
 
+@pytest.mark.long
 def test_the_least_limit_counts_and_the_error_is_the_largest_of_all_that_were_checked(tiny, tiny_reduced, monkeypatch):
     checked, full = [], np.array([[1.0, 2.0, 4.0], [4.0, 0.01, 2.0], [9.0, 3.0, 0.5]])
     monkeypatch.setattr(capability, "full_limits", lambda *args: checked.append(args[-1]) or full[len(checked) - 1])

@@ -76,6 +76,7 @@ def test_a_solution_carries_its_estimate_and_what_is_computed_from_it_none() -> 
         reduce(plate, load, [GAUGE], limit=1e-9)
 
 
+@pytest.mark.long
 def test_a_structure_of_one_region_is_reduced_however_many_its_ports() -> None:
     plate = skin(plate_mesh(36, 24))
     load = plate.pressure("skin", 50.0)

@@ -175,6 +175,7 @@ CASES: dict[str, Made] = {
 }
 
 
+@pytest.mark.long("point load", "supported plate 8", "clamped plate 8", "pulled (12, 8)", "supported plate, triangles")
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_accepted_is_within_two_percent_and_what_is_refused_is_not_within_one(name) -> None:
     found, truth = CASES[name]()

@@ -83,6 +83,7 @@ def test_rows_are_the_models_strains_divided_by_the_load(tmp_path: Path) -> None
     assert rows["state"].value_counts().tolist() == [4, 4, 4, 4]
 
 
+@pytest.mark.long
 def test_threads_and_processes_write_the_same_rows_as_one_job(tiny: Wing, tmp_path: Path) -> None:
     alone = stream_dataset(tmp_path / "alone.parquet", tiny, library(), noisy())
     for backend in ("threading", "loky"):

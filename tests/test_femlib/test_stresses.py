@@ -133,6 +133,7 @@ def test_reactions_hold_the_load_and_its_moment():
     assert not held[arms[:, 0] > 0].any()
 
 
+@pytest.mark.long
 def test_a_structure_buckles_as_euler_says_and_sooner_with_damage():
     strip = cantilever(isotropic_plate(70e9, 0.0, 2e-3))
     load = strip.line_load("right", (-1.0, 0.0, 0.0))

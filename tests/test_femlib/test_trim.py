@@ -17,6 +17,7 @@ STATES = np.array([[0.0, 0.0], [0.8, 0.3]])
 FAST = FlightPoint(airspeed=60.0)
 
 
+@pytest.mark.long
 def test_a_uniform_wing_of_lone_strips_diverges_at_the_pressure_of_a_uniform_beam() -> None:
     """q_D = (pi / 2)^2 (GJ / e) / (2 pi c L^2). Source: Bisplinghoff, Ashley & Halfman (1955), equation 8-18.
 

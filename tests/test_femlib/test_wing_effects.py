@@ -141,6 +141,7 @@ def test_damage_outside_the_library_is_the_wing_with_a_softer_zone(start):
     assert np.abs(trace - change).max() < 0.04 * np.abs(change).max()
 
 
+@pytest.mark.long
 def test_large_deflection_is_what_newton_finds():
     linear = WING.strain_microstrain(STATE, 3.0)
     newton = bend(WING, STATE, 3.0).strain_microstrain - linear

@@ -66,6 +66,7 @@ def hard(n: int = 400, depth: int = 3, **options: object) -> Problem:
     return Problem(rng.integers(0, 90, (n, 5)).astype(float), rng.integers(0, 3, n), depth=depth, **options)
 
 
+@pytest.mark.long("options1")
 @pytest.mark.parametrize("options", [{"sensor_budget": 2}, {"loss": ClassCosts(COSTS)}])
 def test_tree_bound_and_cuts_are_those_of_one_machine(asked: Client, options: dict[str, object]) -> None:
     problem = hard(150, **options)
@@ -141,6 +142,7 @@ def test_the_tree_of_a_search_is_that_of_one_machine(asked: Client, options: dic
     assert (threads.tree, threads.n_nodes) == (alone.tree, alone.n_nodes)
 
 
+@pytest.mark.long
 def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> None:
     problem = hard(4000, 5)
     reports: list[Progress] = []

@@ -160,6 +160,7 @@ def is_running(pid: int) -> bool:
         return False
 
 
+@pytest.mark.long
 def test_a_script_without_a_main_guard_can_solve():
     code = "from octmip import Problem, solve\nprint(solve(Problem([[0.0], [1.0]], [0, 1], depth=1), 'oct').stop)\n"
     done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True)

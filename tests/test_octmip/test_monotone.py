@@ -122,6 +122,7 @@ def test_ordered_numbers_are_no_worse_than_an_ordered_tree_that_is_known(depth, 
     assert kept or depth == 3
 
 
+@pytest.mark.long
 def test_numbers_are_searched_and_their_proof_says_that_it_cannot():
     numbers = Problem(FEATURES, -(FEATURES[:, 0] ** 2), depth=3, loss=SquaredError(), monotone={0: "+"})
     assert certify(numbers, solve(numbers, "search")).n_splits >= 1

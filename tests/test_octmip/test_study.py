@@ -25,6 +25,7 @@ def answers(points):
     return [answer(point.solution) for point in points]
 
 
+@pytest.mark.long("penalty-asked5")
 @pytest.mark.parametrize(
     ("over", "asked"),
     [(over, small()) for over in ("depth", "budget", "penalty")]
