@@ -31,6 +31,16 @@ def frame() -> pd.DataFrame:
     )
 
 
+def test_a_column_without_a_value_is_said_and_read_by_no_split_unless_missing_cells_are_refused():
+    table = pd.DataFrame({"a": [1.0, 2.0, 3.0], "b": [None] * 3})
+    columns = Columns.learn(table)
+    assert [column.kind for column in columns.columns] == ["number", "empty"]
+    assert "no split reads 1 column ('b'), without a value in any row" in columns.changes()
+    for refused, how in ((table, "refuse"), (table[["b"]], "either-side")):
+        with pytest.raises(ColumnsError, match="'b' has no value in any row; leave it out"):
+            Columns.learn(refused, missing=how)
+
+
 def test_text_becomes_questions_and_a_column_with_missing_readings_stays_one_feature():
     columns = Columns.learn(frame())
     assert columns.feature_names == (
@@ -177,7 +187,6 @@ def test_every_column_that_cannot_be_used_is_named_with_its_cure():
         {
             "name": [f"row {k}" for k in range(40)],
             "day": ["03/04/2025"] * 40,
-            "none": [None] * 40,
             "big": [2**60 + k for k in range(40)],
             "far": [np.inf] * 40,
             "odd": [[1]] * 40,
@@ -186,8 +195,8 @@ def test_every_column_that_cannot_be_used_is_named_with_its_cure():
     )
     with pytest.raises(ColumnsError) as caught:
         Columns.learn(table)
-    assert set(caught.value.reasons) == {"name", "day", "none", "big", "far", "odd"}
-    assert "6 of 7 columns" in str(caught.value)
+    assert set(caught.value.reasons) == {"name", "day", "big", "far", "odd"}
+    assert "5 of 6 columns" in str(caught.value)
 
 
 @pytest.mark.parametrize(

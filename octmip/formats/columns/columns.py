@@ -28,6 +28,7 @@ Categories = Literal["yes-no", "subsets", "order", "refuse"]
 Missing = Literal["either-side", "refuse"]
 MOST_VALUES = 100
 """Different texts of a column that becomes yes/no questions."""
+EMPTY = "has no value in any row; leave it out"
 MOST_UNIQUE = 0.5
 """Share of rows with a text of their own, above which a text names the rows; in a part of a table every row has one."""
 FEW_VALUES = 20
@@ -84,13 +85,13 @@ class Columns:
             alphabetical order or that of an ordered category ("order"), or is refused ("refuse"). An ordered category
             becomes its rank in the first two cases too.
         missing
-            missing cells go to whichever side of a split is better ("either-side"), or are refused ("refuse").
+            missing cells go to whichever side of a split is better ("either-side"), and no split reads a column without
+            a value; or both are refused ("refuse").
         doubled
             a number or rank with missing cells becomes two complete features, for trees whose splits have no side for
             missing readings.
         of_part
-            the frame may be a part of a table, as in cross-validation: a column may have lost its values, and texts
-            most of their repetitions. A column without a value becomes a constant.
+            the frame may be a part of a table, as in cross-validation: texts may have lost most of their repetitions.
 
         Raises
         ------
@@ -102,13 +103,15 @@ class Columns:
         for name, series in zip(_names_of(frame), _series_of(frame), strict=True):
             try:
                 cells = read_cells(series)
-                if of_part and missing != "refuse" and cells.n_missing == len(frame):
+                if missing != "refuse" and cells.n_missing == len(frame):
                     found.append(Column(name, "empty", has_missing=True))
                     continue
                 _refuse(cells, len(frame), categories, missing, 1 - 1 / len(frame) if of_part else MOST_UNIQUE)
                 found.append(_column_of(name, cells, categories, doubled))
             except DataError as error:
                 reasons[name] = str(error)
+        if not (of_part or reasons) and all(column.kind == "empty" for column in found):
+            reasons = {column.name: EMPTY for column in found}
         if reasons:
             raise ColumnsError(reasons, frame.shape[1])
         out = cls(tuple(found))
@@ -314,7 +317,7 @@ def _listed(columns: list[Column]) -> str:
 def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing, most_unique: float) -> None:
     """Refuse a column that the user wants refused, or that would not help."""
     if cells.n_missing == n_rows:
-        raise DataError("has no value in any row; leave it out")
+        raise DataError(EMPTY)
     if cells.n_missing and missing == "refuse":
         raise DataError(f"has {_missing(cells)}; fill in, or set missing to 'either-side'")
     if cells.is_text and categories == "refuse":

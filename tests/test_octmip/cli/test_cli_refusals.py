@@ -3,7 +3,7 @@
 import pytest
 
 BAD_TABLES = {
-    "nothing in a feature": ("a,b,y\n,1,u\n,2,v\n", "1 of 2 columns cannot be used: 'a' has no value in any row"),
+    "nothing in a feature": ("a,b,y\n,,u\n,,v\n", "2 of 2 columns cannot be used: 'a' has no value in any row"),
     "a word among numbers": (
         "a,y\n" + "".join(f"{k},u\n" for k in range(30)) + "ten,v\n",
         "'a' holds the word 'ten' among numbers",
