@@ -72,7 +72,8 @@ class Growth:
         for table in self.tables:
             levels = table.shape[1]
             behind //= levels
-            axes = moved.reshape(len(weights), self.n_rates, -1, levels, behind)
+            ahead = self.n_states // (levels * behind)  # not -1, which numpy cannot infer where there is no asset
+            axes = moved.reshape(len(weights), self.n_rates, ahead, levels, behind)
             moved = table.swapaxes(1, 2)[:, None] @ axes if behind > 1 else (axes[..., 0] @ table)
         moved = moved.reshape(len(weights), self.n_rates, self.n_states)
         return np.asarray(self.changes.T @ moved if self.n_rates > 1 else moved)

@@ -31,6 +31,12 @@ def put(rows, value):
     return change
 
 
+def test_a_reading_is_compared_with_the_twins_own_whatever_the_order_of_the_columns():
+    campaign = measured(5)
+    turned = dataclasses.replace(campaign, gauges=campaign.gauges[::-1], readings=campaign.readings[:, ::-1])
+    assert np.array_equal(checked(turned, TWIN).predicted, checked(campaign, TWIN).predicted[:, ::-1])
+
+
 STUCK = {
     "at 0 always": (put(slice(None), 0.0), 200),
     "at another value always": (put(slice(None), 812.0), 200),

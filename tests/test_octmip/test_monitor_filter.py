@@ -82,6 +82,7 @@ def test_axes_grow_as_the_full_table_says(cells):
     weights = np.random.default_rng(0).random((3, 4, 64))
     expected = np.einsum("nks,kst,kl->nlt", weights, growth.transitions, growth.changes)
     assert growth.advance(weights) == pytest.approx(expected, rel=1e-12)
+    assert growth.advance(weights[:0]).shape == (0, 4, 64)
 
 
 def test_damage_jumps_with_the_probability_that_is_said_to_any_higher_level():
