@@ -247,6 +247,26 @@ def test_without_a_run_a_change_is_named_as_far_as_it_stands_out_of_what_constan
     assert ("a run of the sound asset (--commissioning) tells" in recommend(found)) is not named
 
 
+@pytest.mark.parametrize("k", [15.0, 6.0, 5.0, 4.0, 2.0, 1.2])
+@pytest.mark.parametrize("with_run", [True, False])
+def test_a_stiffness_that_is_lost_or_gained_by_half_and_more_is_named_with_its_size(k, with_run):
+    def spring(p, loads):
+        u = loads["F"] / p["k"]
+        return [u, 2 * u + loads["F"] / 10, loads["F"] / 10]
+
+    twin = function_twin(spring, dict.fromkeys("uvw", "mm"), {"k": (10, 1, 20, "N/mm")}, ("F",))
+    loads = [{"F": load} for load in (0.0, 5.0, 10.0)]
+    today, sound = (read(twin, loads, seed, sd=np.full(3, 0.05), k=value) for seed, value in ((1, k), (2, 10.0)))
+    found = diagnose(today, twin, commissioning=sound if with_run else None)
+    assert found.which[0].effects == ("k",)
+    assert found.which[0].probability > 0.95
+    (size,) = found.which[0].parameters
+    assert size.low < k - 10.0 < size.high
+    assert size.size == pytest.approx(k - 10.0, abs=0.3)
+    if not with_run:
+        assert found.constants[0].interval[0] < k < found.constants[0].interval[1]
+
+
 def test_constants_that_one_reading_alone_shows_are_told_with_their_correlation():
     def lever(p, loads):
         return [loads["force"] * p["arm"] / p["k"], loads["force"]]

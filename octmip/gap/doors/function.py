@@ -132,7 +132,7 @@ class FunctionTwin:
                 parameter_effect(name, ranges[name], twin.ask, whose if name in values else MODEL),
                 signature_error=error,
                 slope=partial(_known, twin, slopes[name]) if name in slopes else None,
-                **self._along(twin, name),
+                **self._from_drawing(twin, name),
             )
             for name, effect in self.effects.items()
             if isinstance(getattr(effect, "apply", None), _Moved)
@@ -141,12 +141,13 @@ class FunctionTwin:
         twin.signature_error = signature_error or 0.0
         return twin
 
-    def _along(self, twin: "FunctionTwin", name: str) -> dict[str, Any]:
-        """Return what makes the change of a constant that is open go with that, in its range about the drawing."""
+    def _from_drawing(self, twin: "FunctionTwin", name: str) -> dict[str, Any]:
+        """Return what makes the change of a constant that is open one from the drawing's value, in its own range."""
         if name not in twin.open:
             return {}
-        ranges, sd = twin.card.ranges, twin.open[name][1]
-        return {"apply": _Along(name, *ranges[name].ahead(sd), sd, twin.ask), "bounds": _bounds(self.card.ranges[name])}
+        drawn, (departure, sd) = self.card.ranges[name], twin.open[name]
+        moved = _FromDrawing(name, drawn.nominal, *twin.card.ranges[name].ahead(sd), departure / sd, twin.ask)
+        return {"apply": moved, "bounds": _bounds(drawn)}
 
     def slopes(self, state: State, load: Applied, sds: Mapping[str, float]) -> Floats:
         """Return what a standard deviation of each of k parameters changes in the readings (k, n_readings)."""
@@ -273,18 +274,26 @@ class _Moved:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Along:
-    """The readings moved along the slope that ends at one value of a parameter, `step` standard deviations away."""
+class _FromDrawing:
+    """The readings with a change of a constant that is open, where without it the drawing's value is to be expected.
+
+    The constant is `departure` sds below the drawing's value, and goes back there along its slope, which ends at the
+    value `there`, `step` sds away: both together are the readings at the drawing's value and the change.
+    """
 
     name: str
+    drawn: float
     there: float
     step: float
-    sd: float
+    departure: float
     ask: Ask
 
     def __call__(self, readings: Floats, size: float, load: Any, place: str, state: State) -> Floats:
-        rise = self.ask(state, load, {self.name: self.there}) - self.ask(state, load, {})
-        return readings + rise * (size / (self.step * self.sd))
+        if not size:
+            return readings
+        here = self.ask(state, load, {})
+        back = (self.ask(state, load, {self.name: self.there}) - here) * (self.departure / self.step)
+        return readings + self.ask(state, load, {self.name: self.drawn + size}) - here - back
 
 
 def _known(twin: FunctionTwin, slopes: Mapping[Setting, Floats], state: State, load: Applied) -> Floats | None:

@@ -35,20 +35,20 @@ def about(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel:
 def at_own_sizes(model: LinearModel) -> LinearModel:
     """Return the model with the chords of the effects that explain its readings best."""
     candidates, prior = model.inputs.candidates, model.inputs.priors
-    open_ = model.inputs.open  # a change of a constant that is open cannot be told from that constant, but by its size
-    forward = np.array([candidate.forward is not None and candidate.name not in open_ for candidate in candidates])
+    forward = np.array([candidate.forward is not None for candidate in candidates])
     if not forward.any():
         return model
     chords: dict[int, float] = {}
+    ends: dict[int, tuple[float, float]] = {}
     ratio = ratios(model.inputs, model.states, expected_of(model.means, model.given))[model.average, model.gauge]
     for _ in range(LAPS):
         wanted = {**_alone(model, forward), **_together(model), **_by_test(model)}
-        new = {
-            j: float(np.clip(size, *prior.bounds[:, j]))
-            for j, size in wanted.items()
-            if forward[j] and abs(size) * np.sqrt(model.lengths[j]) > SEEN
-        }
-        new = {j: size for j, size in new.items() if size and abs(size - chords.get(j, 0.0)) > CLOSE * abs(size)}
+        seen = {j: size for j, size in wanted.items() if forward[j] and abs(size) * np.sqrt(model.lengths[j]) > SEEN}
+        off = {j: size - chords.get(j, 0.0) for j, size in seen.items()}
+        at = {j: (chords.get(j, 0.0), off[j]) for j, size in seen.items() if abs(off[j]) > CLOSE * abs(size)}
+        new = {j: float(np.clip(_between(ends.get(j), *here), *prior.bounds[:, j])) for j, here in at.items()}
+        new = {j: size for j, size in new.items() if size and size != chords.get(j, 0.0)}
+        ends |= at
         if not new:
             break
         chords |= new
@@ -63,6 +63,17 @@ def at_own_sizes(model: LinearModel) -> LinearModel:
         signatures.flags.writeable = False
         model = replace(model, signatures=signatures, chords=dict(chords))
     return model
+
+
+def _between(before: tuple[float, float] | None, chord: float, off: float) -> float:
+    """Return the size of the next chord, given by how much the size on the last one and the one before was off it.
+
+    Where a reading goes as 1 / (1 + size) the sizes on chords swing about the one that is met: it lies where the line
+    through the last two is 0. Elsewhere it is the size on the last chord.
+    """
+    if before is None or before[1] * off >= 0.0:
+        return chord + off
+    return chord + off * (chord - before[0]) / (before[1] - off)
 
 
 def _alone(model: LinearModel, forward: NDArray[np.bool_]) -> dict[int, float]:
