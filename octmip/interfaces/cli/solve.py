@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from octmip.errors import DataError, SolverError
 from octmip.formats.table.preparation import with_written_cuts
-from octmip.formats.tree_file import Readings, leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
+from octmip.formats.tree_file import Readings, read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.cli.answer import (
     ProgressLine,
     comparison_json,
@@ -33,7 +33,7 @@ from octmip.interfaces.report.new_rows import (
     warning_text,
 )
 from octmip.interfaces.report.text import solution_text, tree_text
-from octmip.trees.answer.certificate import Certificate, certify
+from octmip.trees.answer.certificate import Certificate, certify, leaf_counts
 from octmip.trees.answer.interruption import held_back, is_heard
 from octmip.trees.answer.solution import Limits, ProofError, Solution
 from octmip.trees.evidence.proof import check_provable
