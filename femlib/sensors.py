@@ -12,6 +12,7 @@ Source of the fit: O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Meth. Engng 33 (
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
@@ -58,8 +59,8 @@ class StrainGauge:
     """
 
     name: str
-    position: FloatArray
-    direction: FloatArray
+    position: FloatArray | Any  # given as lists too
+    direction: FloatArray | Any
     patches: tuple[str, ...]
     side: float = 1.0
 

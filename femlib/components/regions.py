@@ -6,6 +6,7 @@ from numbers import Real
 
 import numpy as np
 import scipy.sparse as sparse
+from numpy.typing import ArrayLike
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.assembly import Shells, Supports, factorise
@@ -98,7 +99,7 @@ def damage_row(state: Mapping[str, float], parameters: Sequence[str]) -> FloatAr
     return np.array([float(state.get(name, 0.0)) for name in parameters])
 
 
-def checked_damage(states: FloatArray, parameters: Sequence[str]) -> FloatArray:
+def checked_damage(states: ArrayLike, parameters: Sequence[str]) -> FloatArray:
     """Return states (n_states, n_parameters) as floats after checking that every damage lies in [0, 1)."""
     damage = frozen_floats(states, "states", (-1, len(parameters)))
     bad = (damage < 0.0) | (damage >= 1.0)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg.lapack import dgesv, dgetrs
 
 from femlib.arrays import FloatArray, IntArray
@@ -172,7 +173,7 @@ class ReducedModel:
                 row[modes] = _together(mu[modes], self.coupling[modes[:, None], modes], self.load[modes])
         return amplitudes
 
-    def error_bound(self, states: FloatArray) -> FloatArray:
+    def error_bound(self, states: ArrayLike) -> FloatArray:
         """Return an upper bound (n_states, n_outputs) of the error of `solve` against the full model, at unit load."""
         damage = checked_damage(states, self.parameters)
         bounds = [self._bound(mu, row) for mu, row in zip(damage, self.amplitudes(damage), strict=True)]

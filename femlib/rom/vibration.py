@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as linalg
 import scipy.sparse as sparse
+from numpy.typing import ArrayLike
 
 from femlib.arrays import FloatArray
 from femlib.assembly import factorise, matrix_modes
@@ -72,7 +73,7 @@ class ReducedModes:
     sampled: FloatArray
     squares: FloatArray
 
-    def frequencies(self, states: FloatArray) -> FloatArray:
+    def frequencies(self, states: ArrayLike) -> FloatArray:
         """Return the frequencies (n_states, n_modes) [Hz] of states (n_states, n_parameters); none is too low.
 
         Raises
@@ -83,7 +84,7 @@ class ReducedModes:
         damage = checked_damage(states, self.parameters)
         return _hertz(np.array([self._solved(mu)[0] for mu in damage]).reshape(len(damage), self.n_modes))
 
-    def lower_bounds(self, states: FloatArray) -> FloatArray:
+    def lower_bounds(self, states: ArrayLike) -> FloatArray:
         """Return frequencies (n_states, n_modes) [Hz] below which those of the full model are not, as `frequencies`."""
         damage = checked_damage(states, self.parameters)
         return _hertz(np.array([self._bounded(mu) for mu in damage]).reshape(len(damage), self.n_modes))

@@ -7,6 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from femlib.arrays import FloatArray
 from femlib.assembly import MOST_ERROR
@@ -74,7 +75,7 @@ class ReducedStructure:
         """Return the gauge strains (n_states, n_gauges) [microstrain] of states (n_states, n_parameters)."""
         return checked_strains(_checked_factor(load_factor) * self.model.solve(states))
 
-    def error_bound(self, states: FloatArray, load_factor: float) -> FloatArray:
+    def error_bound(self, states: ArrayLike, load_factor: float) -> FloatArray:
         """Return bounds (n_states, n_gauges) [microstrain] of the difference from the full model."""
         return abs(_checked_factor(load_factor)) * self.model.error_bound(states)
 

@@ -119,7 +119,6 @@ class TreeFile:
     @property
     def tree(self) -> Node:
         """The tree."""
-        assert self.solution.tree is not None  # read and made so
         return self.solution.tree
 
     @property

@@ -11,6 +11,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -58,7 +59,7 @@ class Library:
     states: Floats
     gauges: tuple[str, ...]
     strains: Floats
-    noise_sd: Floats
+    noise_sd: Floats | Any  # given as a number or a list too
     widths: Floats = field(default_factory=lambda: np.zeros(0))
     slopes: Floats = field(default_factory=lambda: np.zeros(0))
     only_load: float | None = None

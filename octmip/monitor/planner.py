@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array, diags_array
 
 from octmip.errors import ProblemError
@@ -51,7 +51,7 @@ class Action:
 
     name: str
     cost: float
-    fails: Floats
+    fails: ArrayLike
     growth: Growth
     onward: csr_array | None = None
 

@@ -85,7 +85,6 @@ def rounded(value: float | None) -> float | None:
 def describe(problem: Problem, solution: Solution, certificate: Certificate) -> dict[str, Any]:
     """Return the JSON object of a solution: bound and gap are None without a proof."""
     samples = problem.samples
-    assert solution.tree is not None
     return {
         "objective": solution.objective,
         "loss": problem.loss.spelling,

@@ -157,7 +157,6 @@ def _beside_cart(arguments: argparse.Namespace, asked: TableProblem, solution: S
     """Return the tree beside CART on samples held out; None where there are none, or no time for it after a signal."""
     if asked.held_out is None or is_heard():
         return None
-    assert solution.tree is not None
     try:
         return beside_cart(asked.problem, solution.tree, asked.held_out, arguments.seed)
     except KeyboardInterrupt:
@@ -166,7 +165,6 @@ def _beside_cart(arguments: argparse.Namespace, asked: TableProblem, solution: S
 
 def _show_words(asked: TableProblem, solution: Solution, certificate: Certificate, found: Comparison | None) -> None:
     problem, tree = asked.problem, solution.tree
-    assert tree is not None
     print_notes(asked.notes)
     if chosen := choice_text(problem, solution):
         print(f"{chosen}\n")

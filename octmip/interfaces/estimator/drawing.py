@@ -38,7 +38,6 @@ def _encoded(columns: Columns) -> Columns | None:
 def notebook_picture(problem: Problem, solution: Solution, columns: Columns) -> str:
     """Return the tree and its proof as HTML for the cell of a notebook."""
     tree = solution.tree
-    assert tree is not None
     if len(leaves(tree)) > MOST_LEAVES:
         picture = f"<pre>{escape(words_of(problem, tree, columns))}</pre>"
     else:

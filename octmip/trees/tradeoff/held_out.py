@@ -251,7 +251,6 @@ def beside_cart(problem: Problem, tree: Node, held_out: Samples | None = None, s
         of CART.
     """
     cart = greedy_tree(problem, seed=seed).tree
-    assert cart is not None  # every problem has a greedy tree
     return Comparison(
         training=score(problem, tree),
         held_out=None if held_out is None else score(problem, tree, held_out),

@@ -81,7 +81,6 @@ def _greedy_svg(evidence: Evidence | None, measure: Measure, wording: Wording, h
     if evidence is None:
         return ""
     tree = evidence.greedy.tree
-    assert tree is not None
     counts, seen = leaf_counts(evidence.problem, tree), Seen.of(evidence.problem, tree, histograms)
     return drawing_svg(draw_tree(tree, wording, counts, measure.answer, seen), "The greedy tree")
 
