@@ -12,7 +12,7 @@ WITH = [file for file in FILES if ">>> " in file.read_text()]
 MODULES = [".".join(file.relative_to(ROOT).with_suffix("").parts) for file in WITH]
 PUBLIC = (
     *("octmip", "octmip.gap", "octmip.interfaces.plot", "octmip.monitor", "octmip.monitor.export"),
-    *("octmip.recordings", "octmip.sensing"),
+    *("octmip.recordings", "octmip.sensing", "femlib", "femlib.structure"),
 )
 """An example sees `numpy` as np, the names of octmip and of the packages here that hold its module."""
 

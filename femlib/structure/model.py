@@ -86,6 +86,21 @@ class Structure:
     ------
     InputError
         If a name is unknown, a set empty, a shell without section, or a part can move freely.
+
+    Examples
+    --------
+    >>> import meshio
+    >>> from femlib.material import isotropic_plate
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> from femlib import read
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
+    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> load = structure.point_load("tip", (0.0, 0.0, 100.0))
+    >>> [round(1e3 * float(structure.solve(state, load)[-1, 2]), 2) for state in ({}, {"root": 0.5})]  # at the tip [mm]
+    [2.88, 4.56]
     """
 
     mesh: NamedMesh

@@ -42,6 +42,11 @@ class Spring:
         Along the line between two nodes apart [N/m]; else six along and about the global axes [N/m, N m/rad].
     to : str, optional
         The other node's set; the ground if not given.
+
+    Examples
+    --------
+    >>> Spring("soil", nodes="foot", stiffness=[1e6, 1e6, 5e6, 0.0, 0.0, 0.0]).to is None
+    True
     """
 
     name: str
