@@ -56,6 +56,11 @@ class StrainGauge:
         Patches in which the gauge's element is looked for.
     side : float
         Height over half the thickness: 1 top, 0 middle, -1 bottom.
+
+    Examples
+    --------
+    >>> StrainGauge("g1", position=(0.5, 0.5, 0.0), direction=(1, 0, 0), patches=("skin",)).position.tolist()
+    [0.5, 0.5, 0.0]
     """
 
     name: str
