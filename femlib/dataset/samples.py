@@ -120,6 +120,17 @@ def simulated_strains(model: StrainModel, load_factor: float = LOAD_FACTOR) -> M
     ------
     InputError
         If the model has other parameters than mu1 and mu2, or the load factor is not finite.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> def strains(states, load_factor):
+    ...     return load_factor * (np.array([900.0, 600.0]) - 200.0 * states)
+    >>> gauges = SimpleNamespace(names=("g1", "g2"), is_usable=np.array([True, True]))
+    >>> names = {"parameters": ("mu1", "mu2"), "gauges": gauges, "model_hash": ""}
+    >>> model = SimpleNamespace(**names, strains_microstrain=strains)
+    >>> simulated_strains(model, load_factor=3.0).strain_microstrain[-1].tolist()
+    [2220.0, 1320.0]
     """
     if tuple(model.parameters) != STUDY_PARAMETERS:
         raise InputError(
