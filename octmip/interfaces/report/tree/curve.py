@@ -105,7 +105,7 @@ def roc_curve(ranking: Ranking, names: Sequence[str]) -> Curve | None:
         rows=tuple((y_of(rate), figure(rate)) for rate in rates),
         columns=tuple((x_of(rate), figure(rate)) for rate in rates),
         lines=tuple(lines),
-        across="across: false positive rate; up: true positive rate",
+        across="right: false positives; up: true positives",
     )
 
 
