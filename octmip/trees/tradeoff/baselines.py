@@ -64,7 +64,7 @@ def _fitted(problem: Problem, name: str, seed: int, targets: NDArray[Any] | None
         found = np.eye(samples.n_classes)[model.classes_]  # a class without samples has the share 0
         return Predictor(
             lambda features: np.asarray(model.predict(columns(features))),
-            lambda features: np.asarray(model.predict_proba(columns(features)) @ found),
+            lambda features: (np.arange(len(features)), model.predict_proba(columns(features)) @ found),
         )
     numbers, centre, exponent = unit_sized(samples.codes if targets is None else targets)
     model.fit(columns(samples.features), numbers, **weights)

@@ -24,8 +24,8 @@ from octmip.trees.tradeoff.validation import Expected
 
 Z_95 = 1.96
 """Standard errors to either side of a mean that hold 95 % of a normal distribution."""
-Shares = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-"""From features (n, n_features) to shares of the classes, shape (n, n_classes)."""
+Shares = Callable[[NDArray[np.float64]], tuple[NDArray[np.int64], NDArray[np.float64]]]
+"""From features (n, n_features) to the group (n,) of each row, and the shares of the classes (n_groups, n_classes)."""
 
 
 def held_out_rows(labels: NDArray[Any], share: float, seed: int) -> NDArray[np.bool_]:
@@ -96,17 +96,17 @@ class Predictor:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ranking:
-    """Samples by the shares of the classes that a predictor gives them: a tree those of the training rows of the leaf.
+    """Samples by the shares of the classes that a predictor gives them: a tree those of the training rows of a leaf.
 
     Attributes
     ----------
-    codes
-        (n_samples,) true class of each.
+    counts
+        (n_groups, n_classes) samples of each true class; a leaf is a group, or one sample.
     shares
-        (n_samples, n_classes) of the classes.
+        (n_groups, n_classes) that the predictor gives them.
     """
 
-    codes: NDArray[np.int64]
+    counts: NDArray[np.int64]
     shares: NDArray[np.float64]
 
     def roc(self, label: int) -> NDArray[np.float64]:
@@ -115,10 +115,10 @@ class Ranking:
         Each point holds for a least share of the class, so samples of equal shares make one step. NaN where the samples
         lack the class, or have no other.
         """
-        values, step = np.unique(-self.shares[:, label], return_inverse=True)
-        found = np.zeros((2, len(values) + 1))
-        np.add.at(found, ((self.codes == label).astype(int), step + 1), 1)
-        points = found.cumsum(axis=1)
+        _, step = np.unique(-self.shares[:, label], return_inverse=True)
+        own = self.counts[:, label]
+        found = [np.bincount(step, counts) for counts in (self.counts.sum(axis=1) - own, own)]
+        points = np.pad(np.cumsum(found, axis=1), ((0, 0), (1, 0)))
         with np.errstate(invalid="ignore"):
             return np.asarray(points / points[:, -1:])
 
@@ -193,8 +193,10 @@ def predictor_of(problem: Problem, tree: Node) -> Predictor:
     return Predictor(partial(predict, tree), partial(_shares, problem, tree))
 
 
-def _shares(problem: Problem, tree: Node, features: NDArray[np.float64]) -> NDArray[np.float64]:
-    return shares_in_leaves(leaf_counts(problem, tree))[leaf_index(tree, features)]
+def _shares(
+    problem: Problem, tree: Node, features: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    return leaf_index(tree, features), shares_in_leaves(leaf_counts(problem, tree))
 
 
 def score_of(problem: Problem, predictor: Predictor, samples: Samples | None = None) -> Score:
@@ -208,7 +210,10 @@ def score_of(problem: Problem, predictor: Predictor, samples: Samples | None = N
 
 
 def _ranked(samples: Samples, shares: Shares) -> Ranking:
-    return Ranking(samples.codes, shares(samples.features))
+    group, found = shares(samples.features)
+    counts = np.zeros(found.shape, dtype=np.int64)
+    np.add.at(counts, (group, samples.codes), 1)
+    return Ranking(counts, found)
 
 
 def confusion_of(codes: NDArray[Any], predicted: NDArray[Any], n_classes: int) -> NDArray[np.int64]:
