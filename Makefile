@@ -44,6 +44,7 @@ lint-python: $(VENV)/.packages-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/python docs/_extensions/notebooks.py $(VENV)/typed && MYPYPATH=$(VENV)/typed $(BIN)/mypy --package pages
 
 test-rust: | tools
 	cd octmip/trees/native && cargo fmt --all --check && MAKEFLAGS= cargo test --profile checks --quiet --workspace

@@ -115,6 +115,11 @@ def grid_lines(stops: Sequence[float], largest_step: float) -> FloatArray:
     ------
     InputError
         If there are fewer than two different stops or the step is not positive.
+
+    Examples
+    --------
+    >>> grid_lines([0.0, 1.0, 1.5], largest_step=0.4).round(3).tolist()
+    [0.0, 0.333, 0.667, 1.0, 1.25, 1.5]
     """
     fixed = np.unique(np.round(np.asarray(stops, dtype=np.float64), 12))
     if fixed.size < 2 or not np.isfinite(fixed).all() or not (is_number(largest_step) and largest_step > 0.0):

@@ -48,6 +48,11 @@ class Ply:
     ------
     InputError
         If a modulus or the thickness is not positive, or the Poisson ratio breaks positive definiteness.
+
+    Examples
+    --------
+    >>> Ply(135e9, 9e9, 0.3, 5e9, 5e9, 3e9, thickness=0.0002, angle=np.pi / 4, density=1600.0).strength is None
+    True
     """
 
     young_1: float
@@ -127,6 +132,12 @@ class Laminate:
         The same of a temperature z * (1 K/m): (3,) [N/(K/m)/m] and (3,) [N m/(K/m)/m].
     plies : tuple of Ply
         What it was stacked from, bottom first, for export; empty if not known.
+
+    Examples
+    --------
+    >>> shell = laminate([Ply(135e9, 9e9, 0.3, 5e9, 5e9, 3e9, 0.0002, density=1600.0)] * 4)
+    >>> round(shell.mass, 3), len(shell.plies)  # [kg/m^2]
+    (1.28, 4)
     """
 
     membrane: FloatArray
@@ -195,6 +206,13 @@ def laminate(plies: Sequence[Ply]) -> Laminate:
     ------
     InputError
         If there is no ply.
+
+    Examples
+    --------
+    >>> plies = [Ply(135e9, 9e9, 0.3, 5e9, 5e9, 3e9, 0.0002, angle) for angle in (0.0, np.pi / 2, np.pi / 2, 0.0)]
+    >>> shell = laminate(plies)  # symmetric: no coupling
+    >>> round(shell.thickness, 4), bool(abs(shell.coupling).max() < 1e-6)
+    (0.0008, True)
     """
     if not isinstance(plies, Sequence) or not all(isinstance(ply, Ply) for ply in plies):
         raise InputError(f"laminate got a {type(plies).__name__}; expected a list of Ply; put them in a list")
@@ -275,6 +293,12 @@ def isotropic_plate(
     ------
     InputError
         If a number is not finite, or Poisson's ratio is not between -1 and 0.5.
+
+    Examples
+    --------
+    >>> steel = isotropic_plate(210e9, poisson=0.3, thickness=0.002, density=7850.0)
+    >>> round(float(steel.bending[0, 0]), 1), round(steel.mass, 3)  # [N m], [kg/m^2]
+    (153.8, 15.7)
     """
     if not is_number(young):
         raise InputError(f"young is {young!r}; expected a positive number of Pa; correct the material card")

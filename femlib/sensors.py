@@ -12,6 +12,7 @@ Source of the fit: O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Meth. Engng 33 (
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
@@ -55,11 +56,16 @@ class StrainGauge:
         Patches in which the gauge's element is looked for.
     side : float
         Height over half the thickness: 1 top, 0 middle, -1 bottom.
+
+    Examples
+    --------
+    >>> StrainGauge("g1", position=(0.5, 0.5, 0.0), direction=(1, 0, 0), patches=("skin",)).position.tolist()
+    [0.5, 0.5, 0.0]
     """
 
     name: str
-    position: FloatArray
-    direction: FloatArray
+    position: FloatArray | Any  # given as lists too
+    direction: FloatArray | Any
     patches: tuple[str, ...]
     side: float = 1.0
 

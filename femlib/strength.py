@@ -34,6 +34,12 @@ class Strength:
         Across them.
     shear_12 : float
         In-plane shear.
+
+    Examples
+    --------
+    >>> carbon = Strength(tension_1=1500e6, compression_1=1200e6, tension_2=50e6, compression_2=200e6, shear_12=70e6)
+    >>> tsai_wu_factors(carbon, np.array([[500e6, 10e6, 0.0]])).round(2).tolist()
+    [2.71]
     """
 
     tension_1: float
@@ -52,7 +58,11 @@ class Strength:
 
 
 def yielding_at(stress: float) -> Strength:
-    """Return the strength of an isotropic metal that yields at a stress [Pa], in shear by von Mises."""
+    """Return the strength of an isotropic metal that yields at a stress [Pa], in shear by von Mises.
+
+    >>> round(float(yielding_at(250e6).shear_12) / 1e6, 1)
+    144.3
+    """
     if not is_number(stress):
         raise InputError(f"yield stress is {stress!r}; expected a positive number of Pa; correct it")
     return Strength(stress, stress, stress, stress, stress / np.sqrt(3.0))
@@ -87,6 +97,10 @@ def tsai_wu_factors(strength: Strength, stress: FloatArray) -> FloatArray:
 
 
 def von_mises(stress: FloatArray) -> FloatArray:
-    """Return von Mises' stress (...,) [Pa] of plane stresses (..., 3)."""
+    """Return von Mises' stress (...,) [Pa] of plane stresses (..., 3).
+
+    >>> von_mises(np.array([100.0, 0.0, 50.0])).round(1).item()
+    132.3
+    """
     along, across, shear = np.moveaxis(stress, -1, 0)
     return np.asarray(np.sqrt(along**2 - along * across + across**2 + 3.0 * shear**2))

@@ -12,6 +12,7 @@ from urllib.parse import unquote, urldefrag
 
 import pytest
 
+from tests.oracles.page_check import violations
 from tests.test_docs_search import SEARCHES
 
 ROOT = Path(__file__).parent.parent
@@ -162,3 +163,11 @@ def test_a_picture_keeps_paper_of_its_own_on_a_dark_page(theme):
     style = (ROOT / "docs" / "_static" / "site.css").read_text()
     rule = style.partition(f"{theme} article img {{")[2].partition("}")[0]
     assert "background: #ffffff" in rule
+
+
+@pytest.mark.parametrize("name", ["index", "examples/command", "theory/two-feature", "api/monitor"])
+def test_axe_core_finds_no_violation_in_the_text_of_a_page(browser, site, name):
+    page = browser.new_page()
+    page.goto((site / f"{name}.html").as_uri())
+    assert violations(page, "[role=main]") == []  # what is around it is the theme's
+    page.close()

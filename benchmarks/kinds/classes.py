@@ -72,7 +72,6 @@ def complaint(problem: Problem, solution: Solution, least: Fraction) -> str:
         certify(problem, solution)
     except CertificateError as error:
         return f"answer: {error}"
-    assert solution.tree is not None
     cost = cost_of(problem, solution.tree)
     if abs(Fraction(solution.objective) - cost) > ROUNDING * cost:
         return f"answer: objective {solution.objective} but {float(cost)} in fractions"

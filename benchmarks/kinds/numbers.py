@@ -63,7 +63,6 @@ class Numbers:
             certify(problem, answer)
         except CertificateError as error:
             return f"answer: {error}"
-        assert answer.tree is not None
         cost = problem.exact_objective(answer.tree)
         if answer.tolerance > WIDEST * cost:
             return f"optimal: {answer.objective} would be within {answer.tolerance}, too wide a tolerance"

@@ -35,7 +35,6 @@ def _rows_of_label(data: Dataset, label: str, seed: int, seconds: float) -> list
         _row(data, label, problem, name, train(seed)(data.features)) for name, train in baselines_of(problem).items()
     ]
     tree = solve_default(problem, Run("auto", Limits(seconds=seconds), seed)).solution.tree
-    assert tree is not None
     default = f"octmip's default, {len(leaves(tree))} leaves"
     return [*rows, _row(data, label, problem, default, predict(tree, data.features))]
 

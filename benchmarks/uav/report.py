@@ -59,7 +59,6 @@ def _figures(
     for label in LABELS:
         deepest = pick(outcomes, task="axis", label=label, depth=depth, gauge_set="all")
         tree = deepest.solution.tree
-        assert tree is not None
         problem = problem_of(data, deepest.cell)
         used[f"gauges of the depth-{depth} tree for {label}"] = problem.shape.sensors_used(tree)
         figures[f"tree_{label}"] = tree_figure(problem, tree)
@@ -67,7 +66,6 @@ def _figures(
         planes = pick(outcomes, task="two features", label=label, gauge_set="two")
         for ending, outcome in (("", axis), ("_two_features", planes)):
             figures[f"partition_{label}{ending}"] = _partition(data, outcome)
-            assert outcome.solution.tree is not None
             two = tree_figure(problem_of(data, outcome.cell), outcome.solution.tree)
             figures[f"tree_{label}_two_gauges{ending}"] = two
     figures["wing"] = wing_picture(wing, used)
@@ -76,7 +74,6 @@ def _figures(
 
 
 def _partition(data: Dataset, outcome: Outcome) -> Figure:
-    assert outcome.solution.tree is not None
     title = f"{outcome.cell.label}, loss of stiffness [%]; strain per unit of load factor [microstrain]"
     return partition_figure(problem_of(data, outcome.cell), outcome.solution.tree, title=title)
 

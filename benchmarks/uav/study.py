@@ -95,7 +95,6 @@ def misses(problem: Problem, data: Dataset, cell: Cell, solution: Solution, *, t
     """Return by how much each training (test) row's label is missed, in percent loss of stiffness."""
     rows = data.is_train if train else ~data.is_train
     columns = [data.gauges.index(gauge) for gauge in cell.gauges]
-    assert solution.tree is not None
     codes = predict(solution.tree, data.features[rows][:, columns])
     told = np.array(problem.samples.class_names, dtype=float)[codes]
     return np.asarray(np.abs(told - getattr(data, cell.label)[rows]))
@@ -159,7 +158,6 @@ def best_pair(data: Dataset, label: str, seed: int) -> tuple[str, ...]:
         return ("g01", "g02")
     cell = Cell("budget 2", label, data.gauges, "all", 3, "exact", 60.0, seed)
     solution = solve(problem_of(data, cell), cell.method, limits=Limits(seconds=cell.seconds), seed=seed)
-    assert solution.tree is not None
     return problem_of(data, cell).shape.sensors_used(solution.tree)
 
 

@@ -2,10 +2,15 @@
 
 A ```python block is a cell, and the ```text block after it its output. In a ```console block each line with `$` is a
 cell that calls the command. The tests run these cells, so a notebook holds what its page shows.
+
+`python docs/_extensions/notebooks.py FOLDER` writes the Python of every page as a module of `FOLDER/pages`, whose types
+`make lint` checks.
 """
 
 import json
 import re
+import shutil
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,3 +85,18 @@ def setup(app: "Sphinx") -> dict[str, bool]:
     app.connect("source-read", link)
     app.connect("build-finished", write)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
+
+
+def write_modules(folder: Path) -> None:
+    """Write them anew."""
+    root = Path(__file__).parents[2]
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for page in (root / "README.md", *(root / "docs").rglob("*.md")):
+        blocks = [content for kind, content in BLOCK.findall(page.read_text()) if kind == "python"]
+        name = re.sub(r"\W", "_", str(page.relative_to(root).with_suffix("")))
+        (folder / f"{name}.py").write_text("\n".join(blocks))
+
+
+if __name__ == "__main__":
+    write_modules(Path(sys.argv[1], "pages"))

@@ -6,6 +6,7 @@ from numbers import Real
 
 import numpy as np
 import scipy.sparse as sparse
+from numpy.typing import ArrayLike
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.assembly import Shells, Supports, factorise
@@ -86,6 +87,11 @@ def damage_row(state: Mapping[str, float], parameters: Sequence[str]) -> FloatAr
     ------
     InputError
         If the state names an unknown parameter.
+
+    Examples
+    --------
+    >>> damage_row({"mu2": 0.4}, ["mu1", "mu2"]).tolist()
+    [0.0, 0.4]
     """
     if not isinstance(state, Mapping):
         raise InputError(f"state is a {type(state).__name__}; expected damages by parameter name; write {{'mu1': 0.4}}")
@@ -98,8 +104,12 @@ def damage_row(state: Mapping[str, float], parameters: Sequence[str]) -> FloatAr
     return np.array([float(state.get(name, 0.0)) for name in parameters])
 
 
-def checked_damage(states: FloatArray, parameters: Sequence[str]) -> FloatArray:
-    """Return states (n_states, n_parameters) as floats after checking that every damage lies in [0, 1)."""
+def checked_damage(states: ArrayLike, parameters: Sequence[str]) -> FloatArray:
+    """Return states (n_states, n_parameters) as floats after checking that every damage lies in [0, 1).
+
+    >>> checked_damage([[0.0, 0.4]], ["mu1", "mu2"]).shape
+    (1, 2)
+    """
     damage = frozen_floats(states, "states", (-1, len(parameters)))
     bad = (damage < 0.0) | (damage >= 1.0)
     if bad.any():

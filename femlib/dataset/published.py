@@ -23,6 +23,15 @@ def published_strains(path: str | Path) -> MeanStrains:
     ------
     InputError
         If the file is missing, a column is missing, a state is missing or double, or a number is not finite.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> states = pd.DataFrame(study_states_percent(), columns=["mu1_percent", "mu2_percent"])
+    >>> strains = {f"strain_{k:02d}": 1000.0 - 2.0 * states["mu1_percent"] for k in range(1, 25)}
+    >>> states.assign(load_factor=3, kind="mean", **strains).to_csv("table.csv", index=False)
+    >>> published_strains("table.csv").strain_microstrain.shape
+    (25, 24)
     """
     table = _read_table(Path(path))
     columns = [f"strain_{k:02d}" for k in range(1, N_PUBLISHED_GAUGES + 1)]

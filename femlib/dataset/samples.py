@@ -77,6 +77,15 @@ class MeanStrains:
         Where the strains come from.
     model_hash : str
         Fingerprint of the model, "" for a table.
+
+    Examples
+    --------
+    >>> states = study_states_percent()  # 25 of mu1 and mu2
+    >>> strains = 900.0 - 5.0 * states  # (25, 2): one gauge for each damage
+    >>> usable = np.array([True, True])
+    >>> means = MeanStrains(states, strains, 3.0, ("g1", "g2"), usable, source="a formula", model_hash="")
+    >>> means.strain_microstrain[-1].tolist()
+    [500.0, 500.0]
     """
 
     states_percent: IntArray
@@ -95,7 +104,11 @@ class MeanStrains:
 
 
 def study_states_percent() -> IntArray:
-    """Return the 25 states (25, 2), mu1 slowest [%]."""
+    """Return the 25 states (25, 2), mu1 slowest [%].
+
+    >>> study_states_percent()[:3].tolist()
+    [[0, 0], [0, 20], [0, 40]]
+    """
     mu1, mu2 = np.meshgrid(LEVELS_PERCENT, LEVELS_PERCENT, indexing="ij")
     return np.stack([mu1.ravel(), mu2.ravel()], axis=1).astype(np.int64)
 
@@ -107,6 +120,17 @@ def simulated_strains(model: StrainModel, load_factor: float = LOAD_FACTOR) -> M
     ------
     InputError
         If the model has other parameters than mu1 and mu2, or the load factor is not finite.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> def strains(states, load_factor):
+    ...     return load_factor * (np.array([900.0, 600.0]) - 200.0 * states)
+    >>> gauges = SimpleNamespace(names=("g1", "g2"), is_usable=np.array([True, True]))
+    >>> names = {"parameters": ("mu1", "mu2"), "gauges": gauges, "model_hash": ""}
+    >>> model = SimpleNamespace(**names, strains_microstrain=strains)
+    >>> simulated_strains(model, load_factor=3.0).strain_microstrain[-1].tolist()
+    [2220.0, 1320.0]
     """
     if tuple(model.parameters) != STUDY_PARAMETERS:
         raise InputError(
@@ -132,6 +156,11 @@ class Recipe:
         Variance of a reading at the load factor of the strains, before the division [microstrain^2].
     train_fraction : float
         Share of the rows for training.
+
+    Examples
+    --------
+    >>> Recipe(samples_per_state=10).noise_variance
+    1000.0
     """
 
     samples_per_state: int = 100
@@ -175,6 +204,16 @@ class Dataset:
         Seed of noise and split.
     source, model_hash : str
         Where the mean strains come from.
+
+    Examples
+    --------
+    >>> states = study_states_percent()  # 25 of mu1 and mu2
+    >>> strains = 900.0 - 5.0 * states  # (25, 2): one gauge for each damage
+    >>> usable = np.array([True, True])
+    >>> means = MeanStrains(states, strains, 3.0, ("g1", "g2"), usable, source="a formula", model_hash="")
+    >>> data = build_dataset(means, Recipe(samples_per_state=10))
+    >>> data.gauges, data.states_percent[data.states[-1]].tolist(), int(data.is_train.sum())
+    (('g1', 'g2'), [80, 80], 175)
     """
 
     features: FloatArray
@@ -224,6 +263,16 @@ def build_dataset(means: MeanStrains, recipe: Recipe | None = None, seed: int = 
     ------
     InputError
         If no gauge is usable or the seed is negative.
+
+    Examples
+    --------
+    >>> states = study_states_percent()  # 25 of mu1 and mu2
+    >>> strains = 900.0 - 5.0 * states  # (25, 2): one gauge for each damage
+    >>> usable = np.array([True, True])
+    >>> means = MeanStrains(states, strains, 3.0, ("g1", "g2"), usable, source="a formula", model_hash="")
+    >>> data = build_dataset(means, Recipe(samples_per_state=10), seed=0)
+    >>> data.features.shape, data.mean_features[0].tolist()
+    ((250, 2), [300.0, 300.0])
     """
     drawn = Recipe() if recipe is None else recipe
     if not is_whole(seed) or seed < 0:

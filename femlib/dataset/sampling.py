@@ -25,6 +25,11 @@ class Load:
     ------
     InputError
         If the factor or a force is not a finite number.
+
+    Examples
+    --------
+    >>> Load("pull-up", factor=3.0).force is None
+    True
     """
 
     name: str
@@ -59,6 +64,12 @@ class Sampling:
     ------
     InputError
         If a number is out of its range or a load factor is 0: readings are divided by it, as the study does.
+
+    Examples
+    --------
+    >>> sampling = Sampling(loads=(Load("1 g", 1.0), Load("3 g", 3.0)), gauges=("g01", "g05"), seed=7)
+    >>> len(sampling.loads), sampling.recipe.samples_per_state
+    (2, 100)
     """
 
     loads: Sequence[Load] = (Load(f"{LOAD_FACTOR:g} g", LOAD_FACTOR),)

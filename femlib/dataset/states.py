@@ -42,6 +42,12 @@ class StateLibrary:
         Names of the damage parameters: the columns of `between`.
     parts : tuple of Part
         What the states come from.
+
+    Examples
+    --------
+    >>> library = grid_states({"mu1": [0.0, 0.4], "mu2": [0.0, 0.8]}) + listed_states(["mu1", "mu2"], [[0.1, 0.2]])
+    >>> len(library), library.between(3, 5).tolist()
+    (5, [[0.4, 0.8], [0.1, 0.2]])
     """
 
     parameters: tuple[str, ...]
@@ -118,6 +124,12 @@ def random_states(
     ------
     InputError
         If a number is out of its range.
+
+    Examples
+    --------
+    >>> states = random_states(["mu1", "mu2", "mu3"], 1000, seed=0, n_damaged=2, largest=0.5).between(0, 1000)
+    >>> int((states > 0.0).sum(axis=1).max()), bool(states.max() < 0.5)
+    (2, True)
     """
     names = _checked_parameters(parameters)
     most = len(names) if n_damaged is None else n_damaged
@@ -142,6 +154,11 @@ def listed_states(parameters: Sequence[str], states: FloatArray | Sequence[Seque
     ------
     InputError
         If the list is empty, has another number of columns, or a loss is outside [0, 1).
+
+    Examples
+    --------
+    >>> listed_states(["mu1", "mu2"], [[0.0, 0.0], [0.4, 0.2]]).between(1, 2).tolist()
+    [[0.4, 0.2]]
     """
     names = _checked_parameters(parameters)
     rows = frozen_floats(states, "listed states", (-1, len(names)))

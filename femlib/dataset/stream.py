@@ -56,6 +56,19 @@ class StoredDataset:
         Names of the columns of damage [fraction of stiffness lost] and of readings [microstrain].
     about : mapping
         The side file: seed, noise, model hash, units, states, loads.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> def strains(states, load_factor):
+    ...     return load_factor * (np.array([900.0, 600.0]) - 200.0 * states)
+    >>> names = {"parameters": ("mu1", "mu2"), "gauges": ("g1", "g2"), "model_hash": ""}
+    >>> model = SimpleNamespace(**names, strains_microstrain=strains)
+    >>> library = grid_states({"mu1": [0.0, 0.4, 0.8], "mu2": [0.0]})
+    >>> sampling = Sampling(recipe=Recipe(samples_per_state=10), gauges=("g1",))
+    >>> stored = stream_dataset("strains.parquet", model, library, sampling, n_jobs=1)
+    >>> stored.parameters, [len(piece) for piece in stored.pieces(n_rows=20)]
+    (('mu1', 'mu2'), [20, 10])
     """
 
     path: Path
@@ -103,6 +116,19 @@ def open_dataset(path: str | Path) -> StoredDataset:
     ------
     InputError
         If a file is missing or broken, or the data file is not the one that its side file describes.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> def strains(states, load_factor):
+    ...     return load_factor * (np.array([900.0, 600.0]) - 200.0 * states)
+    >>> names = {"parameters": ("mu1", "mu2"), "gauges": ("g1", "g2"), "model_hash": ""}
+    >>> model = SimpleNamespace(**names, strains_microstrain=strains)
+    >>> library = grid_states({"mu1": [0.0, 0.4, 0.8], "mu2": [0.0]})
+    >>> sampling = Sampling(recipe=Recipe(samples_per_state=10), gauges=("g1",))
+    >>> _ = stream_dataset("strains.parquet", model, library, sampling, n_jobs=1)
+    >>> open_dataset("strains.parquet").read(["mu1", "g1"]).shape
+    (30, 2)
     """
     target = checked_target(path, (".parquet",))
     side, where = read_side(target, VERSION), str(side_path(target))
@@ -151,6 +177,20 @@ def stream_dataset(
     ------
     InputError
         If the path cannot be written to, or model, library and sampling do not fit.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> def strains(states, load_factor):
+    ...     return load_factor * (np.array([900.0, 600.0]) - 200.0 * states)
+    >>> names = {"parameters": ("mu1", "mu2"), "gauges": ("g1", "g2"), "model_hash": ""}
+    >>> model = SimpleNamespace(**names, strains_microstrain=strains)
+    >>> library = grid_states({"mu1": [0.0, 0.4, 0.8], "mu2": [0.0]})
+    >>> loads = Load("1 g", 1.0), Load("3 g", 3.0)
+    >>> sampling = Sampling(loads, Recipe(samples_per_state=10), gauges=("g1", "g2"))
+    >>> stored = stream_dataset("strains.parquet", model, library, sampling, n_jobs=1)
+    >>> stored.n_rows, stored.gauges
+    (60, ('g1', 'g2'))
     """
     if n_jobs is not None and (not is_whole(n_jobs) or n_jobs == 0):
         raise InputError(f"n_jobs is {n_jobs!r}; expected a whole number other than 0; -1 is all processors")

@@ -54,6 +54,12 @@ class BeamSection:
     ------
     InputError
         If a modulus or a moment is not positive, or the direction is zero.
+
+    Examples
+    --------
+    >>> tube = BeamSection(70e9, 27e9, area=1e-4, inertia_y=1e-8, inertia_z=1e-8, torsion=2e-8, y_axis=(0, 1, 0))
+    >>> round(tube.shear_factor_y, 3)
+    0.833
     """
 
     young: float
@@ -98,6 +104,10 @@ def rectangular_beam(
 
     Source of the torsion constant: W. C. Young, R. G. Budynas, Roark's Formulas for Stress and Strain (2002), table
     10.7, case 4; within 2e-3 of the series.
+
+    >>> arm = rectangular_beam(70e9, 0.3, along_y=0.02, along_z=0.02, y_axis=(0, 1, 0), density=2700.0)
+    >>> arm.area, arm.inertia_z
+    (0.0004, 1.3333333333333335e-08)
     """
     for name, value in (("young", young), ("along_y", along_y), ("along_z", along_z)):
         if not is_number(value) or value <= 0.0:

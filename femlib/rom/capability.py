@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
 from femlib.arrays import FloatArray
@@ -122,7 +123,7 @@ class Capability:
         """Names of the damage parameters: the columns of a state array."""
         return self.model.parameters
 
-    def limits(self, states: FloatArray) -> FloatArray:
+    def limits(self, states: ArrayLike) -> FloatArray:
         """Return the factors (n_states, 3) at which each of `LIMITS` is reached, of states (n_states, n_parameters).
 
         Raises
@@ -133,11 +134,11 @@ class Capability:
         damage = checked_damage(states, self.parameters)
         return np.array([self._limits(row) for row in damage]).reshape(-1, len(LIMITS))
 
-    def load_factors(self, states: FloatArray) -> FloatArray:
+    def load_factors(self, states: ArrayLike) -> FloatArray:
         """Return the greatest factors (n_states,) that states (n_states, n_parameters) bear, as `limits`."""
         return np.asarray(self.limits(states).min(axis=1))
 
-    def failure_probability(self, states: FloatArray, factor: float, spread: float) -> FloatArray:
+    def failure_probability(self, states: ArrayLike, factor: float, spread: float) -> FloatArray:
         """Return the probability (n_states,) that states do not bear a factor, of lognormal limits.
 
         `spread` is the standard deviation of a limit's logarithm: of moduli, strengths and loads together.

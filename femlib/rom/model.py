@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg.lapack import dgesv, dgetrs
 
 from femlib.arrays import FloatArray, IntArray
@@ -62,6 +63,24 @@ class ReducedModel:
         follow one another region by region, so that batches are solved by the regions in turns.
     motion : FloatArray, optional
         Displacements (n_dofs, N + n_parameters + 1) of the amplitudes, of mu / (1 - mu) and of 1 [m, rad].
+
+    Examples
+    --------
+    >>> import scipy
+    >>> from femlib.rom import reduce_structure
+    >>> import meshio
+    >>> from femlib.material import isotropic_plate
+    >>> from femlib.structure import Structure
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0)
+    >>> full = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> load, rows = full.point_load("tip", (0.0, 0.0, 100.0)), scipy.sparse.csr_array(np.eye(1, 60, 56))  # z of a tip
+    >>> model = reduce_structure(full.damaged, load, rows, ["tip"])
+    >>> model.parameters, model.outputs, bool(model.error_bound([[0.5]]).max() < 1e-6)
+    (('root',), ('tip',), True)
     """
 
     parameters: tuple[str, ...]
@@ -172,7 +191,7 @@ class ReducedModel:
                 row[modes] = _together(mu[modes], self.coupling[modes[:, None], modes], self.load[modes])
         return amplitudes
 
-    def error_bound(self, states: FloatArray) -> FloatArray:
+    def error_bound(self, states: ArrayLike) -> FloatArray:
         """Return an upper bound (n_states, n_outputs) of the error of `solve` against the full model, at unit load."""
         damage = checked_damage(states, self.parameters)
         bounds = [self._bound(mu, row) for mu, row in zip(damage, self.amplitudes(damage), strict=True)]

@@ -52,6 +52,11 @@ class ReductionSettings:
         The random states' damages are uniform from 0 to this. Beyond it the bound still holds, the accuracy falls.
     seed : int
         Seed of the states.
+
+    Examples
+    --------
+    >>> ReductionSettings(tolerance=1e-4).n_states
+    600
     """
 
     tolerance: float | None = None
@@ -119,6 +124,23 @@ def reduce_structure(
     with_motion : bool
         Keep what gives all displacements, in single precision. They are as exact as the outputs ask: take the work
         load' u among the outputs if they matter.
+
+    Examples
+    --------
+    >>> import scipy
+    >>> import meshio
+    >>> from femlib.material import isotropic_plate
+    >>> from femlib.structure import Structure
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0)
+    >>> full = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> load, rows = full.point_load("tip", (0.0, 0.0, 100.0)), scipy.sparse.csr_array(np.eye(1, 60, 56))  # z of a tip
+    >>> model = reduce_structure(full.damaged, load, rows, ["tip"])
+    >>> (1e3 * model.solve([[0.0], [0.5]])).round(2).ravel().tolist()  # [mm]
+    [2.88, 4.56]
     """
     chosen = ReductionSettings() if settings is None else settings
     exact = port_flexibility(structure, load, rows, outputs)
@@ -128,7 +150,24 @@ def reduce_structure(
 
 
 def reduce_ports(exact: PortFlexibility, settings: ReductionSettings | None = None) -> ReducedModel:
-    """Return a reduced model of a structure's equations at its ports."""
+    """Return a reduced model of a structure's equations at its ports.
+
+    >>> import scipy
+    >>> from femlib.components import port_flexibility
+    >>> import meshio
+    >>> from femlib.material import isotropic_plate
+    >>> from femlib.structure import Structure
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0)
+    >>> full = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> load, rows = full.point_load("tip", (0.0, 0.0, 100.0)), scipy.sparse.csr_array(np.eye(1, 60, 56))  # z of a tip
+    >>> model = reduce_ports(port_flexibility(full.damaged, load, rows, ["tip"]))
+    >>> (1e3 * model.solve([[0.0], [0.5]])).round(2).ravel().tolist()  # [mm]
+    [2.88, 4.56]
+    """
     chosen = ReductionSettings() if settings is None else settings
     return _projected(exact, balanced_modes(exact, chosen), {"settings": repr(chosen)}, None)
 

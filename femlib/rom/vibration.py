@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as linalg
 import scipy.sparse as sparse
+from numpy.typing import ArrayLike
 
 from femlib.arrays import FloatArray
 from femlib.assembly import factorise, matrix_modes
@@ -61,6 +62,22 @@ class ReducedModes:
         Sampled states (n_sampled, n_parameters).
     squares : FloatArray
         Their lambda (n_sampled, n_modes + 1) [1/s^2], by the full model.
+
+    Examples
+    --------
+    >>> import meshio
+    >>> from femlib.material import isotropic_plate
+    >>> from femlib.structure import Structure
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0)
+    >>> full = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> model = reduce_modes(full.damaged, full.built.mass(), n_modes=1)
+    >>> low, high = model.lower_bounds([[0.5]]), model.frequencies([[0.5]])
+    >>> model.n_modes, bool(0.99 * high < low <= high)
+    (1, True)
     """
 
     parameters: tuple[str, ...]
@@ -72,7 +89,7 @@ class ReducedModes:
     sampled: FloatArray
     squares: FloatArray
 
-    def frequencies(self, states: FloatArray) -> FloatArray:
+    def frequencies(self, states: ArrayLike) -> FloatArray:
         """Return the frequencies (n_states, n_modes) [Hz] of states (n_states, n_parameters); none is too low.
 
         Raises
@@ -83,7 +100,7 @@ class ReducedModes:
         damage = checked_damage(states, self.parameters)
         return _hertz(np.array([self._solved(mu)[0] for mu in damage]).reshape(len(damage), self.n_modes))
 
-    def lower_bounds(self, states: FloatArray) -> FloatArray:
+    def lower_bounds(self, states: ArrayLike) -> FloatArray:
         """Return frequencies (n_states, n_modes) [Hz] below which those of the full model are not, as `frequencies`."""
         damage = checked_damage(states, self.parameters)
         return _hertz(np.array([self._bounded(mu) for mu in damage]).reshape(len(damage), self.n_modes))
@@ -157,6 +174,21 @@ def reduce_modes(
     ------
     InputError
         If a number cannot be used.
+
+    Examples
+    --------
+    >>> import meshio
+    >>> from femlib.material import isotropic_plate
+    >>> from femlib.structure import Structure
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0)
+    >>> full = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> model = reduce_modes(full.damaged, full.built.mass(), n_modes=1)
+    >>> model.frequencies([[0.0], [0.5]]).round(2).ravel().tolist()  # [Hz]
+    [2.59, 1.99]
     """
     if not is_whole(n_joint) or n_joint < 0 or not 0.0 < tolerance < 1.0:
         raise InputError(

@@ -43,6 +43,21 @@ class Heated:
         (n_nodes, 6) [m, rad], with their estimated error.
     stresses : Stresses
         Strains less the free thermal ones, and stresses, of all plies; their factors are on load and warmth together.
+
+    Examples
+    --------
+    >>> import meshio
+    >>> from femlib.material import isotropic_plate
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> from femlib import read
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
+    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> warm = heated(structure, {"strip": (10.0, 0.0)}, strain_limit=0.1)
+    >>> warm.displacements.shape, bool(warm.displacements.error < 0.03)
+    ((10, 6), True)
     """
 
     displacements: Judged
@@ -84,6 +99,21 @@ def heated(
         If a set is unknown or has no shell that expands, or a temperature, state or load is bad.
     SolveError
         If heat and load buckle the shells, or they or the strains are estimated to be farther off than allowed.
+
+    Examples
+    --------
+    >>> import meshio
+    >>> from femlib.material import isotropic_plate
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> from femlib import read
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
+    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> warm = heated(structure, {"strip": (10.0, 0.0)}, strain_limit=0.1)
+    >>> round(1e3 * float(warm.displacements[-1, 0]), 3)  # 4 m, 10 K, 2e-5 1/K [mm]
+    0.799
     """
     shells, named = structure.built, state or {}
     left = structure.stiffness_left(named)
@@ -117,6 +147,18 @@ def thermal_buckling(
     """Return the buckling modes of a warm structure of shells: at `factor` times the temperatures it buckles so.
 
     Parameters and errors are those of `heated` and `femlib.assembly.buckling_modes`.
+
+    >>> import meshio
+    >>> from femlib.material import isotropic_plate
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> from femlib import read
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
+    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped", "tip": "clamped"}, damage=["root"])
+    >>> round(thermal_buckling(structure, {"strip": (1.0, 0.0)}, limit=1.0)[0].factor, 1)  # K
+    24.9
     """
     left, warm = structure.stiffness_left(state or {}), _warmth_of_elements(structure, warmth)
     supports = structure.damaged.supports

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib import sensors
-from femlib.arrays import FloatArray, IntArray, Judged, judged
+from femlib.arrays import FloatArray, Judged, judged
 from femlib.assembly import (
     MOST_ERROR,
     MOST_PEAK_ERROR,
@@ -38,7 +38,7 @@ from femlib.rom.capability import Capability
 from femlib.sensors import StrainGauge, checked_strains
 from femlib.structure import loads
 from femlib.structure.named_mesh import NamedMesh
-from femlib.structure.parts import Parts, Section, Spring, component_of, parts_of
+from femlib.structure.parts import Parts, Section, Spring, component_of, held_dofs, parts_of
 from femlib.structure.strength import structure_capability, structure_limits
 
 MICRO = 1e6
@@ -48,10 +48,6 @@ JUDGED = 0.8
 """Damage of all regions in which the mesh of a capability is judged."""
 LIGHT = 1e-3
 """Share of the load that a structure bears under which its mesh is judged: errors are relative, and nothing buckles."""
-DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
-"""Translations along and rotations about the global axes."""
-HELD = {"clamped": DIRECTIONS, "pinned": DIRECTIONS[:3]}
-"""Words for several of them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,6 +82,21 @@ class Structure:
     ------
     InputError
         If a name is unknown, a set empty, a shell without section, or a part can move freely.
+
+    Examples
+    --------
+    >>> import meshio
+    >>> from femlib.material import isotropic_plate
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> from femlib import read
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
+    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> load = structure.point_load("tip", (0.0, 0.0, 100.0))
+    >>> [round(1e3 * float(structure.solve(state, load)[-1, 2]), 2) for state in ({}, {"root": 0.5})]  # at the tip [mm]
+    [2.88, 4.56]
     """
 
     mesh: NamedMesh
@@ -113,7 +124,7 @@ class Structure:
             raise InputError(f"damage is {self.damage!r}; expected a list of set names; put it in a list")
         parts = parts_of(self.mesh, self.sections, self.masses, self.springs, self.axis)
         object.__setattr__(self, "parts", parts)
-        held = _held(self.mesh, self.supports)
+        held = held_dofs(self.mesh, self.supports)
         if not held.size and not len(parts.built.springs.grounded):
             raise InputError(
                 "the structure has no support; expected nodes that are held, or springs to the ground; give supports"
@@ -381,20 +392,3 @@ class Structure:
             )
         patches = np.unique(mesh.patch_of_element[inside])
         return replace(gauge, patches=tuple(mesh.patches[k] for k in patches))
-
-
-def _held(mesh: NamedMesh, supports: Mapping[str, str]) -> IntArray:
-    """Return the degrees of freedom that are held."""
-    held = [np.zeros(0, dtype=np.int64)]
-    for name, words in supports.items():
-        nodes = mesh.nodes_of(name)
-        own = words.split() if isinstance(words, str) else []
-        every = [direction for word in own for direction in HELD.get(word, (word,))]
-        if not every or not set(every) <= set(DIRECTIONS):
-            raise InputError(
-                f"support of {name!r} is {words!r}; expected 'clamped', 'pinned' or some of {' '.join(DIRECTIONS)}; "
-                "correct it"
-            )
-        axes = np.array([DIRECTIONS.index(direction) for direction in every])
-        held.append((DOFS_PER_NODE * nodes[:, None] + axes).ravel())
-    return np.unique(np.concatenate(held))

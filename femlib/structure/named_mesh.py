@@ -36,6 +36,16 @@ class NamedMesh:
     ------
     MeshError
         If a coordinate is not finite or an element names a missing node.
+
+    Examples
+    --------
+    >>> import meshio
+    >>> points, line = [[0, 0, 0], [0.5, 0, 0], [1, 0, 0]], ("line", [[0, 1], [1, 2]])
+    >>> sets = {"cell_sets": {"arm": [[0, 1]]}, "point_sets": {"foot": [0], "tip": [2]}}
+    >>> from femlib import read
+    >>> mesh = read(meshio.Mesh(points, [line], **sets))
+    >>> mesh.lines.tolist(), sorted(mesh.node_sets), dict(mesh.left_out)
+    ([[0, 1], [1, 2]], ['foot', 'tip'], {})
     """
 
     nodes: FloatArray

@@ -16,6 +16,11 @@ from femlib.material import Laminate
 from femlib.mesh import DOFS_PER_NODE, Mesh
 from femlib.structure.named_mesh import NamedMesh, listed
 
+DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+"""Translations along and rotations about the global axes."""
+HELD = {"clamped": DIRECTIONS, "pinned": DIRECTIONS[:3]}
+"""Words for several of them."""
+
 Section = Laminate | BeamSection
 Kind = TypeVar("Kind", Laminate, BeamSection)
 SLENDEREST = 5000.0
@@ -42,6 +47,11 @@ class Spring:
         Along the line between two nodes apart [N/m]; else six along and about the global axes [N/m, N m/rad].
     to : str, optional
         The other node's set; the ground if not given.
+
+    Examples
+    --------
+    >>> Spring("soil", nodes="foot", stiffness=[1e6, 1e6, 5e6, 0.0, 0.0, 0.0]).to is None
+    True
     """
 
     name: str
@@ -288,3 +298,20 @@ def component_of(mesh: NamedMesh, parts: Parts, name: str) -> Component:
             f"matrix; expected at most {MOST_CARRIED:g} numbers in it; divide it into several sets"
         )
     return Component(name, name, own)
+
+
+def held_dofs(mesh: NamedMesh, supports: Mapping[str, str]) -> IntArray:
+    """Return the degrees of freedom that are held."""
+    held = [np.zeros(0, dtype=np.int64)]
+    for name, words in supports.items():
+        nodes = mesh.nodes_of(name)
+        own = words.split() if isinstance(words, str) else []
+        every = [direction for word in own for direction in HELD.get(word, (word,))]
+        if not every or not set(every) <= set(DIRECTIONS):
+            raise InputError(
+                f"support of {name!r} is {words!r}; expected 'clamped', 'pinned' or some of {' '.join(DIRECTIONS)}; "
+                "correct it"
+            )
+        axes = np.array([DIRECTIONS.index(direction) for direction in every])
+        held.append((DOFS_PER_NODE * nodes[:, None] + axes).ravel())
+    return np.unique(np.concatenate(held))

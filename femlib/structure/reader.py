@@ -96,6 +96,15 @@ def read(
     LeftOutWarning
         If the file has what changes the structure and is not in a mesh: masses, springs, rigid elements, offsets,
         supports, loads.
+
+    Examples
+    --------
+    >>> import meshio
+    >>> points, line = [[0, 0, 0], [0.5, 0, 0], [1, 0, 0]], ("line", [[0, 1], [1, 2]])
+    >>> sets = {"cell_sets": {"arm": [[0, 1]]}, "point_sets": {"foot": [0], "tip": [2]}}
+    >>> mesh = read(meshio.Mesh(points, [line], **sets))
+    >>> mesh.nodes[mesh.node_sets["tip"]].tolist()
+    [[1.0, 0.0, 0.0]]
     """
     if unit not in UNITS:
         raise InputError(f"unit is {unit!r}; expected one of {list(UNITS)}; correct it")

@@ -7,6 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from femlib.arrays import FloatArray
 from femlib.assembly import MOST_ERROR
@@ -25,6 +26,23 @@ class ReducedStructure:
     ----------
     model : ReducedModel
         Gauge strains [microstrain] at load factor 1.
+
+    Examples
+    --------
+    >>> import meshio
+    >>> from femlib.sensors import StrainGauge
+    >>> from femlib.material import isotropic_plate
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> from femlib import read
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
+    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> gauge = StrainGauge("g1", (0.5, 0.5, 0.0), (1, 0, 0), ("strip",))
+    >>> twin = reduce(structure, structure.point_load("tip", (0.0, 0.0, 100.0)), [gauge], gauge_limit=0.2)
+    >>> twin.parameters, twin.error_bound([[0.5]], load_factor=1.0).round(6).tolist()
+    (('root',), [[0.0]])
     """
 
     model: ReducedModel
@@ -74,7 +92,7 @@ class ReducedStructure:
         """Return the gauge strains (n_states, n_gauges) [microstrain] of states (n_states, n_parameters)."""
         return checked_strains(_checked_factor(load_factor) * self.model.solve(states))
 
-    def error_bound(self, states: FloatArray, load_factor: float) -> FloatArray:
+    def error_bound(self, states: ArrayLike, load_factor: float) -> FloatArray:
         """Return bounds (n_states, n_gauges) [microstrain] of the difference from the full model."""
         return abs(_checked_factor(load_factor)) * self.model.error_bound(states)
 
@@ -123,6 +141,23 @@ def reduce(
     SolveError
         If the undamaged structure's displacements or gauge strains are estimated to be too far off, or all regions
         damaged by half its displacements.
+
+    Examples
+    --------
+    >>> import meshio
+    >>> from femlib.sensors import StrainGauge
+    >>> from femlib.material import isotropic_plate
+    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
+    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
+    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
+    >>> from femlib import read
+    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
+    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
+    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> load = structure.point_load("tip", (0.0, 0.0, 100.0))
+    >>> twin = reduce(structure, load, [StrainGauge("g1", (0.5, 0.5, 0.0), (1, 0, 0), ("strip",))], gauge_limit=0.2)
+    >>> [twin.predict(state, load_factor=2.0).round(2).tolist() for state in ({}, {"root": 0.5})]
+    [[-24.0], [-48.0]]
     """
     if not structure.parameters:
         raise InputError("the structure has no damage region; expected at least one; name element sets in damage")

@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 import scipy.sparse as sparse
+from numpy.typing import ArrayLike
 
 from femlib import sensors
 from femlib.arrays import FloatArray
@@ -196,7 +197,7 @@ class Wing:
         strain_map = self._strain_maps.get(1.0, lambda: self.strain_map(1.0))
         return checked_strains(factor * strain_map(states))
 
-    def error_bound_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
+    def error_bound_microstrain(self, states: ArrayLike, load_factor: float) -> FloatArray:
         """Return zeros (n_states, n_gauges): a reduced wing's error is against this one."""
         damage, _ = checked_damage(states, self.parameters), checked_load_factor(load_factor)
         return np.zeros((len(damage), len(self.gauge_names)))

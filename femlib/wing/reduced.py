@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import scipy.sparse as sparse
+from numpy.typing import ArrayLike
 
 from femlib.arrays import FloatArray
 from femlib.components import damage_row
@@ -113,7 +114,7 @@ class ReducedWing:
         """
         return checked_strains(checked_load_factor(load_factor) * self.model.solve(states)[:, :-1])
 
-    def error_bound_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
+    def error_bound_microstrain(self, states: ArrayLike, load_factor: float) -> FloatArray:
         """Return bounds (n_states, n_gauges) of the difference of `strains_microstrain` from the full model.
 
         Raises

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
+from numpy.typing import ArrayLike
+
 from femlib.arrays import FloatArray
 from femlib.errors import InputError
 from femlib.rom import ReductionSettings
@@ -86,7 +88,7 @@ class WingTwin:
         """Return the strains (n_gauges,) in microstrain of a state of damage fractions, compressive positive."""
         return self.model.strain_microstrain(state, load_factor)
 
-    def error_bound(self, states: FloatArray, load_factor: float) -> FloatArray:
+    def error_bound(self, states: ArrayLike, load_factor: float) -> FloatArray:
         """Return bounds (n_states, n_gauges) [microstrain] of the difference of `predict_states` from the full wing."""
         return self.model.error_bound_microstrain(states, load_factor)
 

@@ -36,8 +36,9 @@ from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
 from octmip.input.files import PathLike, read_json_object, write_bytes
 from octmip.input.messages import shown
+from octmip.trees.answer.certificate import leaf_counts
 from octmip.trees.answer.solution import Solution, Stop
-from octmip.trees.nodes.tree import Node, features_used, leaf_index, leaves, n_splits
+from octmip.trees.nodes.tree import Node, features_used, n_splits
 from octmip.trees.nodes.tree_nodes import decode_tree, different, encode_tree
 from octmip.trees.question.losses import NUMBER_LOSSES, SAMPLE_COSTS, Loss, loss_of
 from octmip.trees.question.parts import address, words_of_rules
@@ -118,7 +119,6 @@ class TreeFile:
     @property
     def tree(self) -> Node:
         """The tree."""
-        assert self.solution.tree is not None  # read and made so
         return self.solution.tree
 
     @property
@@ -194,18 +194,6 @@ def record_tree(
         held_out=held_out,
         readings=readings,
     )
-
-
-def leaf_counts(problem: Problem, tree: Node) -> NDArray[np.int64]:
-    """Return the samples of each class in each leaf, leaves from the left, shape (n_leaves, n_classes).
-
-    Of numbers the shape is (n_leaves, 1): all samples of each leaf.
-    """
-    samples = problem.samples
-    counts = np.zeros((len(leaves(tree)), samples.n_classes or 1), dtype=np.int64)
-    codes = samples.codes if samples.n_classes else np.zeros(samples.n_samples, dtype=np.int64)
-    np.add.at(counts, (leaf_index(tree, samples.features), codes), 1)
-    return counts
 
 
 def write_tree_file(path: PathLike, file: TreeFile) -> None:

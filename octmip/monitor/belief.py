@@ -27,6 +27,13 @@ class Belief:
         the states.
     weights
         (n, n_rates, n_states) probability of every growth rate and state, 1 in all for each asset.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> belief = Belief(library, np.array([[[0.25, 0.75]]]))  # one asset, one growth rate, two states
+    >>> belief.mean("crack").round(2).tolist(), belief.probability_above({"crack": 0.2}).tolist()
+    ([0.3], [0.75])
     """
 
     library: Library

@@ -33,6 +33,11 @@ class Candidate:
         of the size.
     load_power
         1: proportional to load; 0: the same at every load.
+
+    Examples
+    --------
+    >>> Candidate("far tip", "bump", np.array([0.0, 10.0]), sizes=(1.0, 2.0), unit="mm", load_power=1).name
+    'far tip'
     """
 
     name: str
@@ -44,7 +49,12 @@ class Candidate:
 
 
 def gauge_candidates(library: Library) -> tuple[Candidate, ...]:
-    """Return one candidate per gauge: it reads too much or too little, by the same at every load."""
+    """Return one candidate per gauge: it reads too much or too little, by the same at every load.
+
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> [one.name for one in gauge_candidates(library)]
+    ['g1', 'g2']
+    """
     return tuple(
         Candidate(gauge, "gauge", row, GAUGE_SIZES, "standard deviations", 0)
         for gauge, row in zip(library.gauges, np.diag(library.noise_sd), strict=True)
@@ -60,6 +70,15 @@ def effect_candidates(
     ----------
     sizes
         in the effect's unit; None: 1, 2 and 4 times its prior scale.
+
+    Examples
+    --------
+    >>> from octmip.gap import SimpleEffect, function_twin
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "um/m"}, loads=["force"], linear=True)
+    >>> library = library_of(twin, [[]], noise_sd=10.0, load_factor={"force": 1.0})
+    >>> warm = SimpleEffect("warm", "K", 10.0, lambda readings, size: readings - 12.0 * size)
+    >>> [(one.name, one.sizes) for one in effect_candidates(twin, warm, library)]
+    [('warm', (10.0, -10.0, 20.0, -20.0, 40.0, -40.0))]
     """
     load = 1.0 if library.reference is None else library.asked_at[0]
     columns = [twin.gauges.index(gauge) for gauge in library.gauges]
@@ -84,6 +103,15 @@ def state_candidates(twin: Twin, library: Library) -> tuple[Candidate, ...]:
 
     The library's other parameters are 0 in them. Readings are not linear in a damage, so each parameter has one
     candidate for each level, of its own signature.
+
+    >>> from octmip.gap import function_twin
+    >>> twin = function_twin(
+    ...     lambda own, loads: [loads["force"] * (100 + 50 * own["hole"])],
+    ...     {"g1": "um/m"}, loads=["force"], states=["hole"], linear=True,
+    ... )
+    >>> library = Library((), np.zeros((1, 0)), ("g1",), [[100]], 10.0)
+    >>> [(one.name, one.sizes) for one in state_candidates(twin, library)][:2]
+    [('hole', (20.0,)), ('hole', (40.0,))]
     """
     names = state_parameters(twin)
     load, factor = library.asked_at

@@ -46,6 +46,15 @@ class Filter:
         of a reading in every state.
     growth
         of damage in one step.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> tree = Split(0, 125.0, Leaf(0), Leaf(1))  # of the gauge g1
+    >>> chain = Filter(LeafLikelihood(tree, library), steady_growth(library, rates=0.01))
+    >>> belief = chain.step(chain.start(state=0), [[148, 201]], load_factor=1.0)
+    >>> belief.probability.round(2).tolist()
+    [[0.19, 0.81]]
     """
 
     likelihood: Likelihood
@@ -124,5 +133,12 @@ def learnt_rates(rates: Floats, flights: Belief, weight: float = 1.0) -> Floats:
         (n_rates,) that the flights began with; it counts as `weight` flights.
     flights
         the belief about each at its end.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> belief = Belief(library, np.array([[[0.1, 0.1], [0.2, 0.6]]]))  # one flight: the second rate is likely
+    >>> learnt_rates(np.array([0.5, 0.5]), belief).round(2).tolist()
+    [0.35, 0.65]
     """
     return np.asarray((weight * rates + flights.rates.sum(axis=0)) / (weight + len(flights.weights)))

@@ -33,6 +33,16 @@ class Proposal:
         (n_gauges,) microstrain per unit of load factor.
     size, sd, unit
         of the damage that was found, as estimated.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2", "g3"), [[100, 200, 300], [150, 200, 300]], 10.0)
+    >>> bump = Candidate("tip", "bump", np.array([10.0, 30.0, 40.0]), sizes=(3.0,), unit="mm", load_power=1)
+    >>> watch = Watch(library, (bump,), horizon=10, largest_load=1.0)
+    >>> seen = watch.seen(np.array([[130.0, 290.0, 420.0]] * 3), [1.0] * 3)
+    >>> proposal = explain(watch, seen).proposal
+    >>> round(proposal.size, 1), proposal.unit, proposal.strains.round().tolist()
+    (3.0, 'mm', [130.0, 290.0, 420.0])
     """
 
     state: Mapping[str, float]
@@ -66,6 +76,14 @@ class Finding:
         the finding in one or two sentences.
     ranking
         kind, name and probability of all hypotheses, the most probable first.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2", "g3"), [[100, 200, 300], [150, 200, 300]], 10.0)
+    >>> watch = Watch(library, horizon=10, largest_load=1.0)
+    >>> finding = explain(watch, watch.seen(np.array([[100.0, 200.0, 400.0]] * 3), [1.0] * 3))
+    >>> finding.kind, finding.name, finding.since
+    ('gauge', 'g3', 0)
     """
 
     kind: str
@@ -90,6 +108,14 @@ def explain(
         index of the library's state that the asset was taken to be in.
     together
         gauges that began to disagree at one reading (`Series`): then none of them is faulty.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2", "g3"), [[100, 200, 300], [150, 200, 300]], 10.0)
+    >>> watch = Watch(library, horizon=10, largest_load=1.0)
+    >>> seen = watch.observe(watch.start(), np.array([[100.0, 200.0, 400.0]]), 1.0)
+    >>> explain(watch, seen).name
+    'g3'
     """
     logs = watch.log_parts(monitor_state)[row, :-1]
     if together:

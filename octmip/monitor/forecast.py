@@ -30,6 +30,11 @@ class Forecast:
     ----------
     survival
         (n, n_steps + 1) probability of not having failed after 0, 1, ... steps.
+
+    Examples
+    --------
+    >>> Forecast(np.array([[1.0, 0.9, 0.4, 0.0]])).quantile(0.5).tolist()
+    [2.0]
     """
 
     survival: Floats

@@ -34,6 +34,12 @@ class Growth:
         for each axis (n_rates, n_levels, n_levels), from the row's level to the column's in one step.
     changes
         (n_rates, n_rates), from one growth rate to another in one step.
+
+    Examples
+    --------
+    >>> growth = Growth((np.array([[[0.9, 0.1], [0.0, 1.0]]]),), changes=np.eye(1))  # one rate, two states
+    >>> growth.advance(np.array([[[1.0, 0.0]]])).tolist()
+    [[[0.9, 0.1]]]
     """
 
     tables: tuple[Floats, ...]
@@ -110,6 +116,13 @@ def steady_growth(library: Library, rates: float | Sequence[float], sudden: floa
     ------
     ProblemError
         a rate or probability is outside of 0 to 1, or a step would skip levels.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> growth = steady_growth(library, rates=(0.004, 0.04))  # of crack, a step
+    >>> growth.transitions[:, 0].round(3).tolist()
+    [[0.99, 0.01], [0.9, 0.1]]
     """
     given = np.atleast_1d(np.asarray(rates, dtype=np.float64)).tolist()
     levels = [np.unique(column) for column in library.states.T]

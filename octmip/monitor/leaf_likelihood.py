@@ -49,6 +49,13 @@ class LeafLikelihood:
         readings drawn in every state for the table of a load.
     seed
         of the draws.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> tree = Split(0, 125.0, Leaf(0), Leaf(1))  # of the gauge g1
+    >>> LeafLikelihood(tree, library).table(1.0).round(2).tolist()  # leaves by states
+    [[0.99, 0.01], [0.01, 0.99]]
     """
 
     tree: Node

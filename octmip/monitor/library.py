@@ -11,6 +11,7 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -52,13 +53,19 @@ class Library:
     reference
         the loads that a load factor is a multiple of; None: the twin has one load, which is the load factor, and
         strains are per unit of it.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> library.index_of({"crack": 0.4}), library.state_names
+    (1, ('crack=0', 'crack=0.4'))
     """
 
     parameters: tuple[str, ...]
     states: Floats
     gauges: tuple[str, ...]
     strains: Floats
-    noise_sd: Floats
+    noise_sd: Floats | Any  # given as a number or a list too
     widths: Floats = field(default_factory=lambda: np.zeros(0))
     slopes: Floats = field(default_factory=lambda: np.zeros(0))
     only_load: float | None = None
@@ -202,7 +209,11 @@ def default_levels(limit: float) -> list[float]:
 
 
 def grid_states(levels: Sequence[Sequence[float]]) -> Floats:
-    """Return all combinations (n_states, n_parameters) of levels, one sequence per parameter, the last fastest."""
+    """Return all combinations (n_states, n_parameters) of levels, one sequence per parameter, the last fastest.
+
+    >>> grid_states([[0.0, 0.4], [0.0, 0.2]]).tolist()
+    [[0.0, 0.0], [0.0, 0.2], [0.4, 0.0], [0.4, 0.2]]
+    """
     return np.array(list(itertools.product(*levels)), dtype=np.float64)
 
 
@@ -235,6 +246,18 @@ def library_of(
         the twin lacks a gauge, or has other loads than are given.
     TwinError
         the twin says that it is linear in its loads, and is not.
+
+    Examples
+    --------
+    >>> from octmip.gap import function_twin
+    >>> def readings(own, loads):
+    ...     return [loads["force"] * (100 + 50 * own["crack"]), loads["force"] * (200 - 80 * own["hole"])]
+    >>> names = {"g1": "um/m", "g2": "um/m"}
+    >>> twin = function_twin(readings, names, loads=["force"], states=["crack", "hole"], linear=True)
+    >>> states = grid_states([[0.0, 0.4], [0.0, 0.5]])
+    >>> library = library_of(twin, states, noise_sd=10.0, load_factor={"force": 1.0})
+    >>> library.strains.tolist()
+    [[100.0, 200.0], [100.0, 160.0], [120.0, 200.0], [120.0, 160.0]]
     """
     names = tuple(twin.gauges if gauges is None else gauges)
     missing = [name for name in names if name not in twin.gauges]

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array, diags_array
 
 from octmip.errors import ProblemError
@@ -47,11 +47,18 @@ class Action:
     onward
         (n_places, n_places) probability of the next place by this one, each of a lower number: 0 is the end. None: a
         place is the number of steps left.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> fly = Action("fly", cost=0.0, fails=[0.0, 0.1], growth=steady_growth(library, rates=0.04))
+    >>> fly.name, fly.growth.n_states
+    ('fly', 2)
     """
 
     name: str
     cost: float
-    fails: Floats
+    fails: ArrayLike
     growth: Growth
     onward: csr_array | None = None
 
@@ -70,6 +77,16 @@ class Planner:
         (n_actions, n_places, n_rates, n_states) expected cost after a step that the asset survives.
     inspection
         price of an inspection; None: there is none.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> calm, fast = (steady_growth(library, rates=rate) for rate in (0.001, 0.04))
+    >>> actions = Action("slow", 1.0, [0.0, 0.0], calm), Action("fast", 0.0, [0.0, 0.5], fast)
+    >>> plan = Planner.of(actions, failure=100.0, n_steps=10)
+    >>> known = np.eye(2)[:, None]  # the state of each of two assets
+    >>> [plan.names[k] for k in plan.choose(known, np.array([10, 10]))]
+    ['fast', 'slow']
     """
 
     actions: tuple[Action, ...]

@@ -49,6 +49,13 @@ class ParameterTree:
         value of the parameter by class index, damage as a fraction.
     gauges
         (n_features,) names of what the tree reads.
+
+    Examples
+    --------
+    >>> tree = Split(0, 125.0, Leaf(0), Leaf(1))  # of the gauge g1
+    >>> one = ParameterTree("crack", tree, values=(0.0, 0.4), gauges=("g1",))
+    >>> one.over(("g0", "g1")).tree
+    Split(1, 125.0, Leaf(0), Leaf(1))
     """
 
     parameter: str
@@ -93,6 +100,13 @@ class Selection:
         (n_states,) probability of every state of the library.
     path
         preorder numbers of the splits passed, and of the leaf.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> selection = ModelSelector(library, Split(0, 125.0, Leaf(0), Leaf(1))).select([148, 201], load_factor=1.0)
+    >>> selection.name, selection.distribution.round(2).tolist()
+    ('crack=0.4', [0.01, 0.99])
     """
 
     state: int
@@ -111,6 +125,14 @@ class ModelSelector:
         the states.
     tree
         leaf labels are indices of states; features are the library's gauges, per unit of load factor.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> tree = Split(0, 125.0, Leaf(0), Leaf(1))  # of the gauge g1
+    >>> selector = ModelSelector(library, tree)
+    >>> selector.select([148, 201], load_factor=1.0).name, selector.gauges_read
+    ('crack=0.4', ('g1',))
     """
 
     library: Library

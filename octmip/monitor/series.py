@@ -43,6 +43,15 @@ class Series:
         the test.
     faulty
         indices of the gauges that were named and are left out since.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2", "g3"), [[100, 200, 300], [150, 200, 300]], 10.0)
+    >>> series = Series(Watch(library, horizon=10, largest_load=1.0))
+    >>> [series.observe([100, 200, reading], 1.0) for reading in (301, 299)]
+    [None, None]
+    >>> series.observe([100, 200, 400], 1.0).name
+    'g3'
     """
 
     watch: Watch

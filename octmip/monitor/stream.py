@@ -58,6 +58,13 @@ class Result:
         why the alarm was raised at this reading; None otherwise.
     left_out
         names of the gauges that the watch has found faulty so far.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> monitor = Monitor(ModelSelector(library, Split(0, 125.0, Leaf(0), Leaf(1))))
+    >>> next(monitor.run([(1.0, [148, 201])])).state
+    1
     """
 
     number: int
@@ -79,6 +86,13 @@ class Refusal:
         of the reading in the stream, from 0.
     words
         what is wrong with it.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> monitor = Monitor(ModelSelector(library, Split(0, 125.0, Leaf(0), Leaf(1))))
+    >>> next(monitor.run([(1.0, [148])])).words
+    'reading has 1 values; expected 2, one for each of g1, g2'
     """
 
     number: int
@@ -99,6 +113,14 @@ class Monitor:
         tests for damage and faults outside the library; None: no test.
     start_state
         index in the filter's library that the asset starts in; None: unknown.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> tree = Split(0, 125.0, Leaf(0), Leaf(1))  # of the gauge g1
+    >>> monitor = Monitor(ModelSelector(library, tree))
+    >>> [result.state for result in monitor.run([(1.0, [101, 199]), (1.0, [148, 201])])]
+    [0, 1]
     """
 
     selector: ModelSelector

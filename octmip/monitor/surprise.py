@@ -27,6 +27,15 @@ def leaf_p_value(likelihood: LeafLikelihood, expected: Belief, readings: Floats,
     ------
     DataError
         the readings have another shape or hold an infinite number, or the load is not positive.
+
+    Examples
+    --------
+    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
+    >>> tree = Split(0, 125.0, Leaf(0), Leaf(1))  # of the gauge g1
+    >>> chain = Filter(LeafLikelihood(tree, library), steady_growth(library, rates=0.01))
+    >>> expected = chain.advance(chain.start(state=0))
+    >>> leaf_p_value(chain.likelihood, expected, np.array([[148.0, 201.0]]), 1.0).round(3).tolist()
+    [0.031]
     """
     rows = check_readings(readings, likelihood.library)
     open_leaves = likelihood.open_leaves(likelihood.library.features(rows, load_factor))

@@ -51,6 +51,17 @@ class Averages:
         of each window, by the twin's name.
     table
         a campaign's table: `octmip.gap.read_campaign` takes it as it takes a file.
+
+    Examples
+    --------
+    >>> from octmip.gap import function_twin
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "um/m"}, loads=["force"])
+    >>> time = np.arange(0.0, 60.0, 0.5)
+    >>> force = np.where(time < 20.0, 0.0, np.where(time < 40.0, 5.0, 10.0))
+    >>> series = Channel("force", "", time, force), Channel("g1", "um/m", time, 2.0 * force + 0.1 * np.sin(7.0 * time))
+    >>> run = Recording("made here", {one.name: lambda one=one: one for one in series})
+    >>> sorted(averages_of(run, twin).channels)
+    ['force', 'g1']
     """
 
     windows: tuple[Window, ...]
@@ -106,6 +117,18 @@ def averages_of(
     ------
     DataError
         a name or channel that is not there, another unit, no window, or a window without samples.
+
+    Examples
+    --------
+    >>> from octmip.gap import function_twin
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "um/m"}, loads=["force"])
+    >>> time = np.arange(0.0, 60.0, 0.5)
+    >>> force = np.where(time < 20.0, 0.0, np.where(time < 40.0, 5.0, 10.0))
+    >>> series = Channel("force", "", time, force), Channel("g1", "um/m", time, 2.0 * force + 0.1 * np.sin(7.0 * time))
+    >>> run = Recording("made here", {one.name: lambda one=one: one for one in series})
+    >>> found = averages_of(run, twin)
+    >>> [(window.start, window.end) for window in found.windows]
+    [(1.0, 19.0), (21.0, 39.0), (41.0, 58.0)]
     """
     modes = modes or {}
     if bool(modes) != bool(vibrations):
@@ -169,6 +192,18 @@ def campaign_of(averages: Averages, twin: Twin) -> Campaign:
     ------
     DataError
         as `octmip.gap.read_campaign`.
+
+    Examples
+    --------
+    >>> from octmip.gap import function_twin
+    >>> twin = function_twin(lambda own, loads: [2.0 * loads["force"]], {"g1": "um/m"}, loads=["force"])
+    >>> time = np.arange(0.0, 60.0, 0.5)
+    >>> force = np.where(time < 20.0, 0.0, np.where(time < 40.0, 5.0, 10.0))
+    >>> series = Channel("force", "", time, force), Channel("g1", "um/m", time, 2.0 * force + 0.1 * np.sin(7.0 * time))
+    >>> run = Recording("made here", {one.name: lambda one=one: one for one in series})
+    >>> campaign = campaign_of(averages_of(run, twin), twin)
+    >>> campaign.gauges, np.unique(campaign.load_factor).tolist()
+    (('g1',), [0.0, 5.0, 10.0])
     """
     return read_campaign(averages.table, twin)
 

@@ -50,6 +50,11 @@ class Modes:
     ----------
     frequencies, damping
         (n_stretches, n_modes) [Hz] and shares of critical damping; NaN where a stretch has no such mode.
+
+    Examples
+    --------
+    >>> Modes(np.array([[4.0, 11.0], [4.2, 11.2]]), np.array([[0.01, 0.02], [0.01, 0.02]])).mean.round(3).tolist()
+    [4.1, 11.1, 0.01, 0.02]
     """
 
     frequencies: Floats
@@ -98,7 +103,8 @@ def modes_of(
 
     Examples
     --------
-    Of a file: ``run = recording("RUN.tdms"); modes_of([run["Accel/1"], run["Accel/2"]], [4.0, 11.0]).mean``.
+    >>> run = recording("RUN.tdms")  # doctest: +SKIP
+    >>> modes_of([run["Accel/1"], run["Accel/2"]], near=[4.0, 11.0]).mean  # doctest: +SKIP
     """
     highest, lowest = max(near, default=0.0), min(near, default=0.0)
     if not (series and lowest > 0.0 and n_stretches > 1):

@@ -39,7 +39,7 @@ def format_of(path: PathLike) -> str:
 
 
 def recording(path: PathLike) -> Recording:
-    """Return the recording in a file; channels are read when they are asked for.
+    r"""Return the recording in a file; channels are read when they are asked for.
 
     What is none of `FORMATS` is a table as `octmip.formats.table` reads it: TOA5, .lvm, CSV, Parquet.
 
@@ -49,6 +49,14 @@ def recording(path: PathLike) -> Recording:
         it cannot be read, or holds no channel.
     MissingExtraError
         the library of its format is not installed.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> _ = Path("run.csv").write_text("time,g1\n0,1.5\n1,2.5\n")
+    >>> run = recording("run.csv")
+    >>> run.channels, run["g1"].values.tolist()
+    (('g1',), [1.5, 2.5])
     """
     name = format_of(path)
     module = FORMATS[name][1] if name else "text"

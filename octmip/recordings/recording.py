@@ -34,6 +34,14 @@ class Channel:
         (n,) in the unit; what they are where a sample is not valid means nothing.
     valid
         (n,) whether a sample is a reading; all finite ones where None is given.
+
+    Examples
+    --------
+    >>> channel = Channel("g1", "um/m", time=[0.0, 0.1, 0.2, 0.9], values=[5.0, np.nan, 7.0, 6.0])
+    >>> channel.is_valid.tolist()
+    [True, False, True, True]
+    >>> channel.notes()[1]
+    '1 gap, the longest of 0.7 s at 0.2 s; nothing is filled'
     """
 
     name: str
@@ -121,6 +129,13 @@ class Recording:
         sentences on how the file was read.
     name
         the file as a sentence names it.
+
+    Examples
+    --------
+    >>> force = Channel("force", "N", time=[0.0, 1.0], values=[0.0, 5.0])
+    >>> run = Recording("made here", {"force": lambda: force})
+    >>> run.channels, run["force"].unit
+    (('force',), 'N')
     """
 
     format: str

@@ -40,6 +40,11 @@ class Window:
         [s] since the start of the recording; a sample at `end` is the next window's.
     test
         name of its test, "" for that of the whole recording.
+
+    Examples
+    --------
+    >>> Window(start=2.0, end=8.0, test="pull")
+    Window(start=2.0, end=8.0, test='pull')
     """
 
     start: float

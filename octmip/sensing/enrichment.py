@@ -334,17 +334,12 @@ def _changed(
             deployed, error = float(apart.mean() + errors.mean()), float(apart.std() / np.sqrt(len(apart)))
             if may_keep and apart.mean() <= SIGNIFICANT * error:
                 solutions[k] = _kept(problem, solutions[k], old.tree)
-            splits = tuple(_apart(old.tree, _tree(solutions[k]), problem.samples.feature_names, one.values))
+            splits = tuple(_apart(old.tree, solutions[k].tree, problem.samples.feature_names, one.values))
             verdict = "changed" if splits else "kept"
         own = solutions[k]
         claims = (own.objective, own.bound, own.is_optimal)
         changes.append(TreeChange(one.parameter, verdict, splits, deployed, float(errors.mean()), error, *claims))
     return replace(design, solutions=tuple(solutions)), tuple(changes)
-
-
-def _tree(solution: Solution) -> Node:
-    assert solution.tree is not None
-    return solution.tree
 
 
 def _kept(problem: Problem, found: Solution, tree: Node) -> Solution:

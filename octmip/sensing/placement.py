@@ -124,7 +124,6 @@ def _among_all(placement: Placement, problem: Problem) -> Node:
             return replace(tree, feature=index[tree.feature], left=left, right=right)
         return replace(tree, features=tuple(index[j] for j in tree.features), left=left, right=right)
 
-    assert placement.solution.tree is not None  # those without are left out
     return renamed(placement.solution.tree)
 
 

@@ -17,6 +17,7 @@ auto      exact for axis-aligned trees where it knows all that is asked, else se
           proofs end in time for few features only)
 """
 
+import logging
 import math
 import time
 from collections.abc import Callable
@@ -37,6 +38,7 @@ from octmip.trees.runs.drawn_rows import setup_seconds, tree_of_drawn_rows
 from octmip.trees.runs.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chosen_method, pauses, solvers_of
 from octmip.trees.runs.solver_call import Call, Pause, options_for, quiet
 
+LOG = logging.getLogger("octmip")  # silent unless its user gives it a level and a handler
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
 SEARCH_SHARE, FIRST_RESTARTS = 0.2, 4  # few restarts: after the first ones a proof gains more from the time
 MANY_SAMPLES = 10_000  # from so many on a proof of depth 4 begins with one restart: ct-magic has a tree in 0.7 CPU s
@@ -193,6 +195,7 @@ def checked_solution(problem: Problem, solution: Solution) -> Solution:
             certify(problem, solution)
     except CertificateError as error:
         raise SolverError(f"{solution.solver} returned a solution that its certificate refutes: {error}") from error
+    LOG.info("%r", solution)
     return solution
 
 
@@ -225,8 +228,7 @@ def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Sol
     if isinstance(options, MipOptions):
         options = replace(options, write=None)  # it is written already, with the costs as they are
     # A relative gap of the rows is another one of the problem.
-    limits = replace(run.limits, gap=0.0)
-    run = replace(run, options=options, limits=limits, progress=made.progress(run.progress))
+    run = replace(run, options=options, limits=replace(run.limits, gap=0.0), progress=made.progress(run.progress))
     return checked_solution(problem, made.back(solve_run(made.rows, run, None if first is None else first.tree)))
 
 
@@ -365,8 +367,7 @@ def _first_tree(call: Call, name: str, tree: Node | None = None, share: float = 
         return replace(_result(less, name, None), solver=SHALLOWER, bound=-math.inf)
     options = SearchOptions(cluster=call.run.options.cluster)
     if share < 1.0:  # a proof follows; where it has ended, all the time that is left is the search's
-        restarts = 1 if call.problem.shape.depth <= EXACT.alone_to_depth else FIRST_RESTARTS
-        options = replace(options, restarts=restarts)
+        options = replace(options, restarts=1 if call.problem.shape.depth <= EXACT.alone_to_depth else FIRST_RESTARTS)
     return call.solve("search", tree, share=share, options=options)
 
 
@@ -395,6 +396,5 @@ def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
     if first is None or first.objective >= solution.objective:
         return solution
     better = replace(solution, tree=first.tree, objective=first.objective)
-    if better.meets_bound and better.stop is not Stop.INTERRUPTED:
-        better = replace(better, stop=Stop.OPTIMAL)
-    return better
+    is_proven = better.meets_bound and better.stop is not Stop.INTERRUPTED
+    return replace(better, stop=Stop.OPTIMAL) if is_proven else better

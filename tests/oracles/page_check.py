@@ -6,7 +6,7 @@ Looked at, at 400, 1600 and 2560 px, light and dark, technical matter folded and
     text        no text is under 11 px on the screen, the scale of its drawing counted
     contrast    text against its ground is at least 4.5, or 3 where it is large (WCAG 2.2, level AA)
     silence     no message, no error, no request of the browser
-    names       every control has a name
+    axe         axe-core finds no violation: names, roles, landmarks, headings, tables
     keyboard    Tab reaches every control, and the focus can be seen
     controls    every button can be clicked, and pressed by Enter, without any of the above being broken
 """
@@ -94,11 +94,6 @@ LOOK = """
     const words = text.data.trim().slice(0, 30);
     if (contrast < (isLarge ? 3 : 4.5)) say("contrast", node, `${contrast.toFixed(2)} (${words})`);
   }
-  for (const one of document.querySelectorAll("button, input, select, [tabindex], [role=button]")) {
-    const label = one.labels && one.labels.length ? one.labels[0].innerText : "";
-    const name = one.getAttribute("aria-label") || one.innerText || one.textContent || label || one.title || "";
-    if (!name.trim()) say("names", one, "a control without a name");
-  }
   return [found, smallest];
 }
 """
@@ -144,11 +139,20 @@ def check_page(path: Path, browser: "Browser", *, presses: bool = True) -> list[
         for scheme, widths in SCHEMES.items():
             page.emulate_media(color_scheme=scheme)
             faults += _look_at_widths(page, widths, f"{scheme}, {'unfolded' if is_open else 'folded'}")
-    faults += _reach_by_keyboard(page)
+    faults += violations(page) + _reach_by_keyboard(page)
     if presses:
         faults += _press_all(page, path, 400, by_key=False) + _press_all(page, path, 1600, by_key=True)
     page.close()
     return list(dict.fromkeys(faults))
+
+
+def violations(page: "Page", context: str | None = None) -> list[str]:
+    """Return what axe-core finds, in the parts that a selector names; `LOOK` sees contrast in drawings too."""
+    from axe_playwright_python.sync_playwright import Axe
+
+    rules = {"resultTypes": ["violations"], "rules": {"color-contrast": {"enabled": False}}}
+    found = Axe().run(page, context, rules).response["violations"]
+    return [f"axe: {one['id']} ({one['help']}) of {node['html'][:80]}" for one in found for node in one["nodes"]]
 
 
 def _hear(faults: list[str], url: str, path: Path) -> None:

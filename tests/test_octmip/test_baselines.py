@@ -5,9 +5,11 @@ import json
 import numpy as np
 import pytest
 from sklearn.datasets import load_iris
+from sklearn.metrics import roc_auc_score
 
 from octmip import ClassCosts, Leaf, Problem, Split, SquaredError
 from octmip.errors import ProblemError
+from octmip.interfaces.cli.answer import score_json
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.nodes.tree import leaf_index
 from octmip.trees.tradeoff import baselines_of, score_of
@@ -88,9 +90,12 @@ def test_the_command_shows_them_in_training_and_on_rows_held_out(as_json, tmp_pa
             "boosting",
         ]
         assert all(row["n_samples"] + row["held_out"]["n_samples"] == 150 for row in rows)
+        held = {row["method"]: row["held_out"] for row in rows}
+        assert held["forest"]["mean_auroc"] == pytest.approx(np.mean(held["forest"]["auroc"]))
+        assert "auroc" not in held["rounded"]
     else:
         assert "| pruned CART" in out
-        assert "errors held out" in out
+        assert "errors held out | balanced accuracy held out | AUROC held out |" in out
 
 
 def test_each_class_gives_its_share_but_never_its_last_row():
@@ -130,3 +135,25 @@ def test_tree_and_cart_are_counted_on_both_parts():
     assert (found.cart_training.errors, found.cart_held_out.errors, found.cart_held_out.cost) == (0, 1, 5)
     assert beside_cart(problem, Leaf(0)).held_out is None
     assert score(problem, Leaf(1), held).errors == 1
+
+
+def test_the_roc_is_that_of_scikit_learn_and_equal_shares_are_one_step():
+    rng = np.random.default_rng(0)
+    rows, labels = rng.integers(0, 5, (300, 2)).astype(float), rng.integers(0, 3, 300)
+    problem, held = Problem(rows[:200], labels[:200], depth=3), Samples(rows[200:], labels[200:], np.ones(100))
+    tree = greedy_tree(problem).tree
+    trained, reached = (leaf_index(tree, some) for some in (rows[:200], held.features))
+    by_leaf = np.array([(labels[:200][trained == leaf][:, None] == range(3)).mean(axis=0) for leaf in reached])
+    model = baselines_of(problem)["linear"](0)
+    for found, shares in (
+        (score(problem, tree, held), by_leaf),
+        (score_of(problem, model, held), model.shares(rows[200:])[1]),
+    ):
+        expected = [roc_auc_score(held.codes == label, shares[:, label]) for label in range(3)]
+        assert found.rank().auroc == pytest.approx(expected, abs=1e-12)
+    curve = score(problem, tree, held).rank().roc(0)
+    assert curve.shape == (2, len(np.unique(by_leaf[:, 0])) + 1)
+    assert curve[:, [0, -1]].tolist() == [[0, 1], [0, 1]]
+    alone = Samples(rows[:5], np.zeros(5, dtype=np.int64), np.ones(5))
+    assert np.isnan(score(problem, tree, alone).rank().auroc).all()
+    assert score_json(score(problem, tree, alone))["mean_auroc"] is None

@@ -189,5 +189,5 @@ def test_the_check_of_pages_finds_each_kind_of_fault(browser, tmp_path: Path):
     path = tmp_path / "bad.html"
     path.write_text(BAD)
     found = " ".join(check_page(path, browser))
-    for kind in ("width: 3", "px (small)", "px (drawn)", "(pale)", "without a name", "focus on DIV", "console x"):
+    for kind in ("width: 3", "px (small)", "px (drawn)", "(pale)", "axe: button-name", "focus on DIV", "console x"):
         assert kind in found

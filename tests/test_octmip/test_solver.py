@@ -32,6 +32,15 @@ def answering(**changes):
     return answer
 
 
+def test_a_logger_takes_each_certified_solution_and_is_silent_unless_asked(caplog):
+    solve(STRIPES)
+    assert not caplog.records
+    with caplog.at_level("INFO", logger="octmip"):
+        found = solve(STRIPES)
+    assert caplog.messages[-1] == repr(found)
+    assert "objective 0, bound 0: proven optimal" in caplog.messages[-1]
+
+
 @pytest.fixture
 def registered(monkeypatch):
     """Return a function that puts a solver in the registry's place of a method."""

@@ -11,7 +11,6 @@ from matplotlib.patches import FancyBboxPatch
 
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split, SquaredError
 from octmip.errors import ProblemError
-from octmip.formats.tree_file import leaf_counts
 from octmip.interfaces.estimator.paths import node_indicator
 from octmip.interfaces.plot import tree_figure
 from octmip.interfaces.plot.style import DARK
@@ -19,6 +18,7 @@ from octmip.interfaces.report.tree.drawing import draw_tree
 from octmip.interfaces.report.tree.seen import Seen
 from octmip.interfaces.report.tree.svg import drawing_svg
 from octmip.interfaces.report.tree.words import Wording
+from octmip.trees.answer.certificate import leaf_counts
 from octmip.trees.nodes.tree import ValueLeaf
 
 RNG = np.random.default_rng(0)

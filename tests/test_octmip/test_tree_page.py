@@ -148,6 +148,13 @@ def test_the_confusion_has_the_true_class_in_rows():
     assert "balanced accuracy 66.7 %" in page
 
 
+def test_rows_held_out_have_the_roc_of_each_class(xor_page: str):
+    assert len(re.findall(r"<th [^>]*>recall</th><th [^>]*>AUROC</th>", xor_page)) == 1
+    lines = re.findall(r'<path class="line class-(.)" d="M([^"]*)"><title>(.*?)</title>', xor_page)
+    of_all_found = "58.0 208.0L58.0 14.0L328.0 14.0"
+    assert lines == [("0", of_all_found, "different: AUROC 1"), ("1", of_all_found, "same: AUROC 1")]
+
+
 def test_a_leaf_alone_is_a_tree_too():
     problem = Problem(np.array([[0.0], [1], [2]]), ["b", "a", "a"], depth=1, feature_names=("a",))
     file = record_tree(problem, Solution(Leaf(0), 1.0, 0.0, Stop.TIME, 0.0, 1, "search", "1", 0), "y")

@@ -107,7 +107,6 @@ class Printed:
     @property
     def tree(self) -> Node:
         """The tree."""
-        assert self.solution.tree is not None
         return self.solution.tree
 
 

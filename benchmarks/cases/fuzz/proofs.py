@@ -141,7 +141,6 @@ def _with_fitting_digest(changed: Problem, path: Path) -> str:
 
 
 def _of_tree(rng: Generator, problem: Problem, solution: Solution) -> str:
-    assert solution.tree is not None
     tree = _other_tree(rng, problem, solution.tree)
     try:
         certificate = certify(problem, dataclasses.replace(solution, tree=tree))

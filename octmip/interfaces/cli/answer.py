@@ -20,7 +20,7 @@ from octmip.trees.answer.solution import Progress, Solution
 from octmip.trees.nodes.tree_nodes import encode_tree
 from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff import Comparison, Score
-from octmip.trees.tradeoff.held_out import recall_precision
+from octmip.trees.tradeoff.held_out import mean_of_known, recall_precision
 
 INTERVAL = 0.1  # seconds between two progress lines
 MOST_CLASSES = 30  # of which a score has the table of confusions
@@ -85,7 +85,6 @@ def rounded(value: float | None) -> float | None:
 def describe(problem: Problem, solution: Solution, certificate: Certificate) -> dict[str, Any]:
     """Return the JSON object of a solution: bound and gap are None without a proof."""
     samples = problem.samples
-    assert solution.tree is not None
     return {
         "objective": solution.objective,
         "loss": problem.loss.spelling,
@@ -170,15 +169,21 @@ def _score_text(problem: Problem, score: Score) -> str:
 
 
 def score_json(score: Score | None) -> dict[str, Any] | None:
-    """Return a score as a JSON object, None without one; recall and precision in the order of the confusion."""
+    """Return a score as a JSON object, None without one; figures of classes in the order of the confusion."""
     if score is None:
         return None
     found = {"n_samples": score.n_samples, **score.measures, "cost": score.cost}
     if score.confusion is None or len(score.confusion) > MOST_CLASSES:
         return found
-    recall, precision = ([finite_or_none(v) for v in values.tolist()] for values in recall_precision(score.confusion))
-    by_class = {"confusion": score.confusion.tolist(), "recall": recall, "precision": precision}
-    return found | {"balanced_accuracy": score.balanced_accuracy, **by_class}
+    recall, precision = recall_precision(score.confusion)
+    auroc = score.rank and score.rank().auroc
+    by_class = {"recall": recall, "precision": precision} | ({} if auroc is None else {"auroc": auroc})
+    return found | {
+        "balanced_accuracy": score.balanced_accuracy,
+        "mean_auroc": None if auroc is None else finite_or_none(mean_of_known(auroc)),
+        "confusion": score.confusion.tolist(),
+        **{name: [finite_or_none(value) for value in values.tolist()] for name, values in by_class.items()},
+    }
 
 
 def comparison_json(found: Comparison) -> dict[str, Any]:

@@ -24,7 +24,8 @@ from octmip.trees.runs.registry import chosen_method, read_options, taken
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff import baselines_of, score, score_of
 
-BALANCED = "balanced accuracy"
+OF_CLASSES = {"balanced accuracy": "balanced_accuracy", "AUROC": "mean_auroc"}
+"""Columns of classes on rows held out, each with its entry of the score."""
 TIMES = tuple(f"{100 * gap:g} %" for gap in GAPS)
 
 
@@ -52,7 +53,9 @@ def _show(
         return
     measures = problem.loss.measured
     is_class = problem.loss.predicts == "class"
-    held = () if asked.held_out is None else tuple(f"{n} held out" for n in (*measures, *(BALANCED,) * is_class))
+    held = (
+        () if asked.held_out is None else tuple(f"{n} held out" for n in (*measures, *(OF_CLASSES if is_class else ())))
+    )
     print_notes(asked.notes)
     print(table_of(rows, (*measures, *held), measures))
     if baselines:
@@ -190,7 +193,7 @@ def _shown(row: Mapping[str, Any], measures: tuple[str, ...]) -> dict[str, Any]:
         **row,
         **{name: rounded(row.get(name)) for name in measures},
         **{f"{name} held out": rounded(held.get(name)) for name in measures},
-        f"{BALANCED} held out": rounded(held.get("balanced_accuracy")),
+        **{f"{name} held out": rounded(held.get(entry)) for name, entry in OF_CLASSES.items()},
         **{f"to {gap}": None if reached.get(gap) is None else round(reached[gap], 3) for gap in TIMES},
         **{name: None if gap is None else round(100 * gap, 2) for name, gap in gaps.items()},
         "splits": row.get("n_splits"),

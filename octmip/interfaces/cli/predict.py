@@ -21,6 +21,7 @@ from octmip.input.names import visible, visible_lines
 from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.samples.names import one_name
 from octmip.interfaces.cli.samples.training import targets_of
+from octmip.trees.answer.certificate import shares_in_leaves
 from octmip.trees.nodes.tree import leaf_index, leaves, predict_values
 from octmip.trees.question.classes import codes_of
 
@@ -42,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     reached = leaf_index(file.tree, features)
     predicted = _predicted(file, features, reached)
     predictions = predicted.tolist() if not file.class_names else [file.class_names[code] for code in predicted]
-    shares = _shares(file)[reached].tolist() if arguments.proba else None
+    shares = shares_in_leaves(file.leaf_counts)[reached].tolist() if arguments.proba else None
     index = _index(arguments.index, file, table)
     label = arguments.label or _known_target(file, table)
     counted = _counted(file, table, label, predicted) if label else None
@@ -160,11 +161,6 @@ def _errors_text(file: TreeFile, counted: dict[str, float], n_samples: int) -> s
     without = int(counted.get("n_unlabelled", 0))
     without_label = f"; {without} more row{'s have' if without > 1 else ' has'} no label" if without else ""
     return f"{file.loss.words_of(counted, n_samples - without)}{without_label}"
-
-
-def _shares(file: TreeFile) -> NDArray[np.float64]:
-    totals = file.leaf_counts.sum(axis=1, keepdims=True)
-    return np.asarray(file.leaf_counts / np.maximum(totals, 1))
 
 
 def _csv(

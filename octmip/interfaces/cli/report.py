@@ -182,7 +182,6 @@ def _beside(file: TreeFile, evidence: "Evidence") -> list[str]:
     from octmip.interfaces.report.tree.contents import measure_of
 
     measure, held, greedy = measure_of(file), evidence.held_out, evidence.greedy.tree
-    assert greedy is not None
     lines = [f"recounted on {evidence.problem.samples.n_samples} samples: every claim holds"]
     lines += [f"{name}: {measure.line(evidence, tree)}" for name, tree in (("this tree", file.tree), (GREEDY, greedy))]
     if held is not None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from octmip.errors import DataError, SolverError
 from octmip.formats.table.preparation import with_written_cuts
-from octmip.formats.tree_file import Readings, leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
+from octmip.formats.tree_file import Readings, read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.cli.answer import (
     ProgressLine,
     comparison_json,
@@ -33,7 +33,7 @@ from octmip.interfaces.report.new_rows import (
     warning_text,
 )
 from octmip.interfaces.report.text import solution_text, tree_text
-from octmip.trees.answer.certificate import Certificate, certify
+from octmip.trees.answer.certificate import Certificate, certify, leaf_counts
 from octmip.trees.answer.interruption import held_back, is_heard
 from octmip.trees.answer.solution import Limits, ProofError, Solution
 from octmip.trees.evidence.proof import check_provable
@@ -157,7 +157,6 @@ def _beside_cart(arguments: argparse.Namespace, asked: TableProblem, solution: S
     """Return the tree beside CART on samples held out; None where there are none, or no time for it after a signal."""
     if asked.held_out is None or is_heard():
         return None
-    assert solution.tree is not None
     try:
         return beside_cart(asked.problem, solution.tree, asked.held_out, arguments.seed)
     except KeyboardInterrupt:
@@ -166,7 +165,6 @@ def _beside_cart(arguments: argparse.Namespace, asked: TableProblem, solution: S
 
 def _show_words(asked: TableProblem, solution: Solution, certificate: Certificate, found: Comparison | None) -> None:
     problem, tree = asked.problem, solution.tree
-    assert tree is not None
     print_notes(asked.notes)
     if chosen := choice_text(problem, solution):
         print(f"{chosen}\n")

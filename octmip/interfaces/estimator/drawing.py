@@ -4,14 +4,14 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from octmip.formats.columns import Columns
-from octmip.formats.tree_file import TreeFile, leaf_counts
+from octmip.formats.tree_file import TreeFile
 from octmip.input.files import PathLike, check_writable, write_bytes
 from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.drawing import draw_tree
 from octmip.interfaces.report.tree.seen import Seen
 from octmip.interfaces.report.tree.svg import drawing_svg
 from octmip.interfaces.report.tree.words import Wording
-from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.certificate import certify, leaf_counts
 from octmip.trees.answer.solution import Solution
 from octmip.trees.nodes.tree import Node, leaves
 from octmip.trees.question.problem import Problem
@@ -38,7 +38,6 @@ def _encoded(columns: Columns) -> Columns | None:
 def notebook_picture(problem: Problem, solution: Solution, columns: Columns) -> str:
     """Return the tree and its proof as HTML for the cell of a notebook."""
     tree = solution.tree
-    assert tree is not None
     if len(leaves(tree)) > MOST_LEAVES:
         picture = f"<pre>{escape(words_of(problem, tree, columns))}</pre>"
     else:

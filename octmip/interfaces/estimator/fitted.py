@@ -128,7 +128,6 @@ class FittedTree(Settings):
         """The tree, over the features of `problem_`."""
         check_is_fitted(self, "solution_")
         tree = self.solution_.tree
-        assert tree is not None  # fit has seen to it
         return tree
 
     @property

@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
-from octmip.formats.tree_file import leaf_counts
 from octmip.interfaces.plot.names import in_font, plain
 from octmip.interfaces.plot.style import DARK, LIGHT, Ground, Picture, check_names, class_colours
 from octmip.interfaces.report.tree.drawing import Answer, Box, draw_tree
 from octmip.interfaces.report.tree.letters import text_width
 from octmip.interfaces.report.tree.seen import Seen
 from octmip.interfaces.report.tree.words import Wording
+from octmip.trees.answer.certificate import leaf_counts
 from octmip.trees.nodes.tree import Node, leaf_index
 from octmip.trees.question.problem import Problem
 

@@ -39,7 +39,7 @@ def tree_text(
     """Return a tree as indented lines, with the training samples of each leaf where `counts` are given.
 
     `columns` puts the conditions in words of the table that the features were made from, where these are no plain
-    numbers. `counts` are those of `octmip.formats.tree_file.leaf_counts`, leaves from the left.
+    numbers. `counts` are those of `octmip.trees.answer.certificate.leaf_counts`, leaves from the left.
     """
     rows = iter([] if counts is None else counts.tolist())
     columns = None if columns is None or columns.is_plain else columns

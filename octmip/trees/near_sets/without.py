@@ -50,7 +50,6 @@ class Without:
 
 def loss_of(problem: Problem, sensors: tuple[str, ...], solution: Solution) -> Without:
     """Return what a solution says of the trees without some sensors."""
-    assert solution.tree is not None
     bound = solution.objective if solution.meets_bound else solution.bound
     cost = problem.exact_objective(solution.tree)
     least = min(cost, Fraction(max(solution.bound, 0.0)))

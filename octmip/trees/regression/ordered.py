@@ -38,7 +38,6 @@ def in_order(call: Call, free_problem: Problem, first: Solution | None) -> Solut
     freed = replace(call, problem=free_problem, run=replace(run, progress=shown, limits=replace(run.limits, gap=0.0)))
     free = freed.solve("exact", None, share=FREE_SHARE)
     put = fitting(problem, free)
-    assert put.tree is not None
     known.append(put.tree)
     tolerance = closing_tolerance(put.objective, free.bound, problem.least_saving_from(put.objective))
     if free.stop is Stop.OPTIMAL and tolerance >= 0:

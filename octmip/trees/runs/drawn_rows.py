@@ -63,7 +63,6 @@ def tree_of_drawn_rows(call: Call) -> Solution:
     rows = np.sort(np.random.default_rng(call.run.seed).permutation(problem.samples.n_samples)[:n_drawn])
     share = seconds / left if left else 0.0
     found = replace(call, problem=problem.of_rows(rows)).solve("search", None, share=share)
-    assert found.tree is not None
     tree = problem.with_sides(ordered(problem, problem.with_best_leaves(found.tree)))
     stop = Stop.TIME if found.stop is not Stop.INTERRUPTED else found.stop
     details = {**found.details, "n_rows": len(rows), "tree_by": "search"}

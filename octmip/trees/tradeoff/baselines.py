@@ -24,14 +24,12 @@ from numpy.typing import NDArray
 from octmip.errors import ProblemError
 from octmip.trees.answer.solution import Limits
 from octmip.trees.methods.cart import unit_sized
-from octmip.trees.nodes.tree import predict, predict_values
 from octmip.trees.question.problem import Problem
 from octmip.trees.question.shape import MAX_DEPTH
 from octmip.trees.tradeoff.choice import choose_tree
 from octmip.trees.tradeoff.family import Family
+from octmip.trees.tradeoff.held_out import Predictor, predictor_of
 
-Predictor = Callable[[NDArray[np.float64]], NDArray[Any]]
-"""From features (n, n_features) to what `Samples.codes` holds: index of the class, or number (n,)."""
 FOREST_TREES = 200
 MOST_ITERATIONS = 2000
 """Of logistic regression."""
@@ -63,10 +61,14 @@ def _fitted(problem: Problem, name: str, seed: int, targets: NDArray[Any] | None
     weights = {} if name == "discriminant" else {"model__sample_weight": samples.weights}
     if is_class:
         model.fit(columns(samples.features), samples.codes, **weights)
-        return lambda features: np.asarray(model.predict(columns(features)))
+        found = np.eye(samples.n_classes)[model.classes_]  # a class without samples has the share 0
+        return Predictor(
+            lambda features: np.asarray(model.predict(columns(features))),
+            lambda features: (np.arange(len(features)), model.predict_proba(columns(features)) @ found),
+        )
     numbers, centre, exponent = unit_sized(samples.codes if targets is None else targets)
     model.fit(columns(samples.features), numbers, **weights)
-    return lambda features: np.asarray(np.ldexp(model.predict(columns(features)), exponent) + centre)
+    return Predictor(lambda features: np.asarray(np.ldexp(model.predict(columns(features)), exponent) + centre))
 
 
 def _model(name: str, is_class: bool, seed: int) -> Any:
@@ -130,7 +132,7 @@ class Centred:
 def _rounded(problem: Problem, seed: int) -> Predictor:
     values = np.array(problem.samples.class_names, dtype=np.float64)
     line = _fitted(problem, "least squares", seed, values[problem.samples.codes])
-    return lambda features: np.asarray(np.abs(line(features)[:, None] - values).argmin(axis=1))
+    return Predictor(lambda features: np.asarray(np.abs(line(features)[:, None] - values).argmin(axis=1)))
 
 
 def _pruned_cart(problem: Problem, seed: int) -> Predictor:
@@ -139,5 +141,5 @@ def _pruned_cart(problem: Problem, seed: int) -> Predictor:
     if problem.samples.n_samples < 2:
         raise ProblemError(f"pruned CART needs folds; got {problem.samples.n_samples} samples, expected 2 or more")
     folds, no_proof = min(5, problem.samples.n_samples), Limits(seconds=0.0)  # nobody asks for a bound of a baseline
-    choice = choose_tree(problem, families=families, folds=folds, limits=no_proof, seed=seed, n_jobs=1)
-    return partial(predict if problem.loss.predicts == "class" else predict_values, choice.tree)
+    tree = choose_tree(problem, families=families, folds=folds, limits=no_proof, seed=seed, n_jobs=1).tree
+    return predictor_of(problem, tree)

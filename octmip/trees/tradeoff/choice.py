@@ -108,7 +108,6 @@ class Choice(InWords):
     @property
     def tree(self) -> Node:
         """The tree."""
-        assert self.solution.tree is not None  # solved from a tree
         return self.solution.tree
 
     def step_at(self, depth: int, alpha: float) -> Step:

@@ -84,7 +84,6 @@ def solve_default(problem: Problem, run: Run, stage: Callable[[str], None] | Non
         return _unchosen(problem, FEW_ROWS_DEPTH, replace(run, method="auto"), "too few rows to cross-validate")
     whole = problem.replace(depth=choice.problem.shape.depth, leaf_penalty=choice.problem.shape.leaf_penalty)
     found = choice.solution if part is None else _on_all_rows(whole, choice, part.samples.n_samples)
-    assert found.tree is not None  # chosen
     objective = whole.objective(found.tree)  # in truth that of the merged samples; sums of float64 differ by rounding
     bound = min(found.bound, objective)
     seconds = time.perf_counter() - start

@@ -177,7 +177,6 @@ def solve_in_family(
         found = _bounded(cut, found, run, nodes_of_path)
     if grid is None:
         return found
-    assert found.tree is not None
     cuts = [places.tolist() for places in grid.cuts]
     scope = {} if math.isinf(found.bound) else {"scope": within(problem, grid.scope), "cuts": cuts}
     return replace(found, tree=grid.over_readings(found.tree), details={**found.details, **scope})

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.answer.certificate import leaf_counts, shares_in_leaves
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.nodes.tree import Node, predict, predict_values
+from octmip.trees.nodes.tree import Node, leaf_index, predict, predict_values
 from octmip.trees.question.classes import distinct_labels
 from octmip.trees.question.losses import Loss
 from octmip.trees.question.problem import Problem
@@ -26,6 +27,8 @@ OWN_STREAM = 0x6865_6C64
 """Entropy beside the seed of held-out rows."""
 Z_95 = 1.96
 """Standard errors to either side of a mean that hold 95 % of a normal distribution."""
+Shares = Callable[[NDArray[np.float64]], tuple[NDArray[np.int64], NDArray[np.float64]]]
+"""From features (n, n_features) to the group (n,) of each row, and the shares of the classes (n_groups, n_classes)."""
 
 
 def held_out_rows(labels: NDArray[Any], share: float, seed: int) -> NDArray[np.bool_]:
@@ -75,6 +78,61 @@ class Samples:
 
 
 @dataclass(frozen=True, slots=True)
+class Predictor:
+    """What is judged beside a tree.
+
+    Attributes
+    ----------
+    codes
+        from features (n, n_features) to what `Samples.codes` holds (n,): index of the class, or number.
+    shares
+        of the classes; None: it knows none.
+    """
+
+    codes: Callable[[NDArray[np.float64]], NDArray[Any]]
+    shares: Shares | None = None
+
+    def __call__(self, features: NDArray[np.float64]) -> NDArray[Any]:
+        """Return the codes."""
+        return self.codes(features)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ranking:
+    """Samples by the shares of the classes that a predictor gives them: a tree those of the training rows of a leaf.
+
+    Attributes
+    ----------
+    counts
+        (n_groups, n_classes) samples of each true class; a leaf is a group, or one sample.
+    shares
+        (n_groups, n_classes) that the predictor gives them.
+    """
+
+    counts: NDArray[np.int64]
+    shares: NDArray[np.float64]
+
+    def roc(self, label: int) -> NDArray[np.float64]:
+        """Return the points of the curve from (0, 0) to (1, 1), shape (2, n_points): false and true positive rate.
+
+        Each point holds for a least share of the class, so samples of equal shares make one step. NaN where the samples
+        lack the class, or have no other.
+        """
+        _, step = np.unique(-self.shares[:, label], return_inverse=True)
+        own = self.counts[:, label]
+        found = [np.bincount(step, counts) for counts in (self.counts.sum(axis=1) - own, own)]
+        points = np.pad(np.cumsum(found, axis=1), ((0, 0), (1, 0)))
+        with np.errstate(invalid="ignore"):
+            return np.asarray(points / points[:, -1:])
+
+    @property
+    def auroc(self) -> NDArray[np.float64]:
+        """Area under `roc` of each class against the rest, by trapezoids, shape (n_classes,)."""
+        curves = [self.roc(label) for label in range(self.shares.shape[1])]
+        return np.array([float(np.diff(x) @ (y[1:] + y[:-1])) / 2 for x, y in curves])
+
+
+@dataclass(frozen=True, slots=True)
 class Score:
     """What a tree loses on some samples.
 
@@ -84,12 +142,15 @@ class Score:
         their number, what the tree is judged by (`Loss.measures`), and the cost (no leaf penalty).
     confusion
         (n_classes, n_classes) samples by true and predicted class; None of a tree of numbers.
+    rank
+        returns the samples by shares of the classes; None where there are no shares.
     """
 
     n_samples: int
     measures: Mapping[str, float]
     cost: float
     confusion: NDArray[np.int64] | None = field(default=None, compare=False, repr=False)
+    rank: Callable[[], Ranking] | None = field(default=None, compare=False, repr=False)
 
     @property
     def errors(self) -> int:
@@ -125,19 +186,37 @@ class Comparison:
 
 def score(problem: Problem, tree: Node, samples: Samples | None = None) -> Score:
     """Return what a tree loses on samples; on those of the problem if none are given."""
-    how = predict if problem.loss.predicts == "class" else predict_values
-    return score_of(problem, partial(how, tree), samples)
+    return score_of(problem, predictor_of(problem, tree), samples)
 
 
-def score_of(
-    problem: Problem, predictor: Callable[[NDArray[np.float64]], NDArray[Any]], samples: Samples | None = None
-) -> Score:
-    """Return what any predictor of codes loses on samples; on those of the problem if none are given."""
+def predictor_of(problem: Problem, tree: Node) -> Predictor:
+    """Return a tree as a predictor, with the shares of the problem's samples in its leaves."""
+    if problem.loss.predicts == "number":
+        return Predictor(partial(predict_values, tree))
+    return Predictor(partial(predict, tree), partial(_shares, problem, tree))
+
+
+def _shares(
+    problem: Problem, tree: Node, features: NDArray[np.float64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    return leaf_index(tree, features), shares_in_leaves(leaf_counts(problem, tree))
+
+
+def score_of(problem: Problem, predictor: Predictor, samples: Samples | None = None) -> Score:
+    """Return what any predictor loses on samples; on those of the problem if none are given."""
     samples = samples or Samples(problem.samples.features, problem.samples.codes, problem.samples.weights)
     judged = samples.weights, samples.codes, predictor(samples.features)
     measures, cost = problem.loss.measures(*judged), problem.loss.cost(*judged, Fraction(0))
     confusion = confusion_of(*judged[1:], problem.samples.n_classes) if problem.loss.predicts == "class" else None
-    return Score(len(samples.codes), measures, cost, confusion)
+    rank = predictor.shares and partial(_ranked, samples, predictor.shares)
+    return Score(len(samples.codes), measures, cost, confusion, rank)
+
+
+def _ranked(samples: Samples, shares: Shares) -> Ranking:
+    group, found = shares(samples.features)
+    counts = np.zeros(found.shape, dtype=np.int64)
+    np.add.at(counts, (group, samples.codes), 1)
+    return Ranking(counts, found)
 
 
 def confusion_of(codes: NDArray[Any], predicted: NDArray[Any], n_classes: int) -> NDArray[np.int64]:
@@ -156,7 +235,13 @@ def recall_precision(confusion: NDArray[np.int64]) -> tuple[NDArray[np.float64],
 
 def balanced_accuracy(confusion: NDArray[np.int64]) -> float:
     """Return the mean recall of the classes that have samples."""
-    return float(np.nanmean(recall_precision(confusion)[0]))
+    return mean_of_known(recall_precision(confusion)[0])
+
+
+def mean_of_known(values: NDArray[np.float64]) -> float:
+    """Return the mean of the values that are numbers; NaN of none."""
+    known = values[~np.isnan(values)]
+    return float(known.mean()) if known.size else np.nan
 
 
 def beside_cart(problem: Problem, tree: Node, held_out: Samples | None = None, seed: int = 0) -> Comparison:
@@ -174,7 +259,6 @@ def beside_cart(problem: Problem, tree: Node, held_out: Samples | None = None, s
         of CART.
     """
     cart = greedy_tree(problem, seed=seed).tree
-    assert cart is not None  # every problem has a greedy tree
     return Comparison(
         training=score(problem, tree),
         held_out=None if held_out is None else score(problem, tree, held_out),

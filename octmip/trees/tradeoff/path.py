@@ -193,7 +193,6 @@ def trace_impurity(problem: Problem, run: Run, grown: Solution) -> PenaltyPath:
     Trees of equal cost differ in it, so it keeps splits which the cost cuts away first. Nothing is proven.
     """
     free, start = problem.replace(leaf_penalty=0.0), time.perf_counter()
-    assert grown.tree is not None
     found = [(0.0, grown.tree), *priced_prunings(free, grown.tree, by_impurity=True)]
     ends = [*(price for price, _ in found), math.inf]
     trees = []
@@ -293,7 +292,6 @@ class _Tracer:
         start = time.perf_counter()
         grown = self.grown or self._solve(self.free, self.free.best_leaf(), self.run.options)
         self.is_interrupted |= grown.stop is Stop.INTERRUPTED
-        assert grown.tree is not None
         self.add(grown.tree)
         for tree in prunings(self.free, grown.tree):
             self.add(tree)

@@ -75,7 +75,6 @@ def trace_risk_frontier(
         problem = here.decision_problem(features, losses, depth=depth, **asked)
         known = points[-1].solution.tree if points else None
         solution = solve_run(problem, run, known)
-        assert solution.tree is not None  # one leaf is a tree of every such problem
         rates = here.rates(losses, predict(solution.tree, problem.samples.features))
         points.append(RiskPoint(here, problem, solution, rates))
         if solution.stop is Stop.INTERRUPTED:

@@ -4,7 +4,7 @@ import math
 import shlex
 from typing import Any
 
-from octmip.formats.tree_file import TreeFile, leaf_counts
+from octmip.formats.tree_file import TreeFile
 from octmip.input.names import shown, visible
 from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.curve import depth_curve
@@ -21,6 +21,7 @@ from octmip.interfaces.report.tree.settings import reads, risk, settings_rows
 from octmip.interfaces.report.tree.summary import figures, subtitle, title, verdict
 from octmip.interfaces.report.tree.svg import drawing_svg
 from octmip.interfaces.report.tree.words import Wording, percent, question
+from octmip.trees.answer.certificate import leaf_counts
 from octmip.trees.answer.solution import Stop
 from octmip.trees.nodes.tree import Leaf, Node, leaves
 from octmip.trees.question.part_check import places
@@ -80,7 +81,6 @@ def _greedy_svg(evidence: Evidence | None, measure: Measure, wording: Wording, h
     if evidence is None:
         return ""
     tree = evidence.greedy.tree
-    assert tree is not None
     counts, seen = leaf_counts(evidence.problem, tree), Seen.of(evidence.problem, tree, histograms)
     return drawing_svg(draw_tree(tree, wording, counts, measure.answer, seen), "The greedy tree")
 

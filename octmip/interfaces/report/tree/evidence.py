@@ -162,7 +162,6 @@ def _levels(file: TreeFile, problem: Problem) -> int:
 
 def judged_by(evidence: Evidence, file: TreeFile, samples: Samples, source: str) -> Evidence:
     """Return the evidence with samples that the page's own trees have not seen, and what ensembles lose there."""
-    assert evidence.greedy.tree is not None
     held_out = HeldOut(source, samples, file.tree, evidence.greedy.tree)
     return replace(evidence, held_out=held_out, ensembles=_ensembles(evidence, samples, file.solution.seed))
 

@@ -43,7 +43,6 @@ def comparison(file: TreeFile, evidence: Evidence | None, measure: Measure, word
         rows = [*measure.training_rows(None), ["splits", n_splits(file.tree)], ["depth", depth(file.tree)]]
         return {"head": ["", "this tree"], "rows": rows}
     greedy = evidence.greedy.tree
-    assert greedy is not None
     rows = [*measure.training_rows(evidence), *measure.held_rows(evidence)]
     for name, count in (("splits", n_splits), ("depth", depth)):
         rows.append([name, count(file.tree), count(greedy), ""])

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.formats.tree_file import TreeFile
+from octmip.interfaces.report.tree.curve import roc_curve
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
 from octmip.interfaces.report.tree.measure import Card, Measure, differs
 from octmip.interfaces.report.tree.words import (
@@ -22,7 +23,7 @@ from octmip.interfaces.report.tree.words import (
     short_names,
 )
 from octmip.trees.nodes.tree import Leaf, Node, leaves, predict
-from octmip.trees.tradeoff.held_out import balanced_accuracy, recall_precision, score
+from octmip.trees.tradeoff.held_out import Ranking, balanced_accuracy, recall_precision, score
 
 MOST_CLASSES = 30
 """Classes that a table of confusions has room for."""
@@ -167,9 +168,10 @@ class OfClasses(Measure):
         found = [_confusion("Training samples", confusion_of(self.file), wording)]
         if evidence is not None and evidence.held_out is not None:
             held = evidence.held_out
-            counts = score(evidence.problem, held.tree, held.samples).confusion
-            assert counts is not None
-            found.append(_confusion("Samples held out", counts, wording))
+            judged = score(evidence.problem, held.tree, held.samples)
+            assert judged.confusion is not None
+            assert judged.rank is not None
+            found.append(_confusion("Samples held out", judged.confusion, wording, judged.rank()))
         return found
 
     def leaf_cells(self, evidence: Evidence | None) -> list[Any]:
@@ -257,19 +259,25 @@ def confusion_of(file: TreeFile) -> NDArray[np.int64]:
     return counts
 
 
-def _confusion(what: str, counts: NDArray[np.int64], wording: Wording) -> dict[str, Any]:
+def _confusion(
+    what: str, counts: NDArray[np.int64], wording: Wording, ranking: Ranking | None = None
+) -> dict[str, Any]:
     names = short_names(wording.classes)
     good = f"balanced accuracy {percent(balanced_accuracy(counts))}"
     caption = f"{what}: true class in rows, answer of the tree in columns; {good}, the mean recall of the classes"
     if len(names) <= MOST_CLASSES:
         recall, precision = (list(map(percent, shares.tolist())) for shares in recall_precision(counts))
-        lines = zip(names, counts.tolist(), recall, strict=True)
-        rows = [[name, *row, sum(row), found] for name, row, found in lines]
+        by_class = {"recall": recall}
+        if ranking is not None:
+            by_class["AUROC"] = [figure(area, 3) for area in ranking.auroc.tolist()]
+        lines = zip(names, counts.tolist(), *by_class.values(), strict=True)
+        rows = [[name, *row, sum(row), *shown] for name, row, *shown in lines]
         return {
             "caption": caption,
-            "head": ["true class", *names, "all", "recall"],
-            "rows": [*rows, ["precision", *precision, "", ""]],
-            "right": range(1, len(names) + 3),
+            "head": ["true class", *names, "all", *by_class],
+            "rows": [*rows, ["precision", *precision, "", *("" for _ in by_class)]],
+            "right": range(1, len(names) + 2 + len(by_class)),
+            "roc": ranking and roc_curve(ranking, names),
         }
     wrong = counts - np.diag(np.diag(counts))
     worst = np.argsort(-wrong, axis=None, kind="stable")[:MOST_CLASSES]

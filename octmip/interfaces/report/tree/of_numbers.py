@@ -109,7 +109,6 @@ class OfNumbers(Measure):
         if evidence is None:
             return [[self.noun, figure(mine)]]
         its = evidence.greedy.objective
-        assert evidence.greedy.tree is not None
         scores = [score(evidence.problem, tree) for tree in (self.file.tree, evidence.greedy.tree)]
         return [[self.noun, figure(mine), figure(its), differs(its - mine)], *_rows(scores, "in training")]
 
