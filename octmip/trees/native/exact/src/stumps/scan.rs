@@ -62,6 +62,7 @@ fn largest_after(samples: &Samples, sample: u32, gains: &mut [i64], largest: i64
 }
 
 /// Gain of two leaves, the left of gains `left`, together of gains `totals`.
+#[inline]
 pub(crate) fn split_gain(left: &[i64], totals: &[i64]) -> i64 {
     let (mut low, mut high) = (i64::MIN, i64::MIN);
     for (l, t) in left.iter().zip(totals) {
