@@ -141,7 +141,7 @@ impl<'a> Search<'a> {
             return free.value;
         }
         let (place, sizes) = (Place::whole(view), [self.leaf_size]);
-        self.fitting.stump(self.samples, &place, (1, sizes), upper, |f| solver.reach(f, 1))[0].value
+        self.fitting.stump(self.samples, &place, (1, sizes), upper, solver.sums(1), |f| solver.reach(f, 1))[0].value
     }
 
     /// Best stumps of both sides of cut `k` of an interval by their best free ones: exact unless their bounds reach the
@@ -172,7 +172,8 @@ impl<'a> Search<'a> {
                 continue;
             }
             let sizes = [sizes[side], self.leaf_size];
-            let [near, own] = self.fitting.stump(self.samples, place, (side, sizes), upper, |f| solver.reach(f, side));
+            let (sums, reach) = (solver.sums(side), |f| solver.reach(f, side));
+            let [near, own] = self.fitting.stump(self.samples, place, (side, sizes), upper, sums, reach);
             within[side] = within[side].max(near.lower);
             stumps[side] = Stump { lower: own.lower.max(stumps[side].lower), ..own };
         }
