@@ -268,7 +268,8 @@ impl Axis {
         [free, [0, 1].map(|side| free[side].max(grown[side]))]
     }
 
-    /// Sizes of leaves for which the children of cut `k` bound those of all others of the interval: see above.
+    /// Sizes of leaves for which the left child of cut `k` bounds those of the cuts after it in the interval, and the
+    /// right child those of the cuts before it (monotone, above).
     pub(crate) fn sizes(&self, interval: &Interval, k: usize) -> [usize; 2] {
         let [low, k, high] = [interval.low, k, interval.high].map(|cut| self.positions[cut] as usize);
         [high - k, k - low].map(|width| self.leaf_size.saturating_sub(width).max(1))

@@ -8,7 +8,10 @@
 //! * else the cuts of the node are searched with two pairs of bounds (`axis`), for trees below `e + 1`, then below more
 //!   and more: what such a search finds is the best tree, and what it does not find bounds the node;
 //! * a cut is solved in the free problem first, with slack; only where both its sides together stay below the target
-//!   they are solved again with their own size, and with little slack.
+//!   they are solved again with their own size, and with little slack;
+//! * in a narrow run of cuts they are solved with smaller leaves before that, of as many samples as a large leaf keeps
+//!   of its own in the farthest cut of the run (`axis`), and not in the free problem where these are half as large or
+//!   more: what trees of smaller leaves cost bounds `e_s` as `e` does.
 //!
 //! Wherever a bound of `e` is used in the place of one of `e_s` it is lower, so nothing is lost.
 

@@ -18,8 +18,8 @@ pub(crate) struct Fitting {
 
 impl Fitting {
     /// The best stumps, or leaf, of one side of a cut, with leaves of one or two sizes, the smaller first; exact where
-    /// they cost less than `upper`. `sums`: of its samples; `reach`: the most that a stump of a feature gains there with
-    /// leaves of any size.
+    /// they cost less than `upper`. `sums`: of its samples; `reach`: the most that a stump of a feature gains there
+    /// with leaves of any size.
     pub(crate) fn stump<const N: usize>(
         &mut self,
         samples: &Samples,
