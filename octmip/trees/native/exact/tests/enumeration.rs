@@ -82,8 +82,11 @@ fn trees_of_large_leaves_of_many_samples_cost_the_same_without_the_bounds_of_sma
     for seed in 0..24 {
         let rng = &mut fastrand::Rng::with_seed(seed);
         let n = rng.usize(40..80);
-        let [ranks, labels]: [Vec<u32>; 2] =
-            [(3 * n, 60), (n, 2)].map(|(len, below)| (0..len).map(|_| rng.u32(0..below)).collect());
+        let ranks: Vec<u32> = (0..3 * n).map(|_| rng.u32(0..60)).collect();
+        // Runs of few values of one label: leaves of the least size do not fit them.
+        let (width, noise) = (rng.u32(5..15), rng.u32(2..12));
+        let label = |i: usize| (ranks[i] / width + ranks[n + i] / (2 * width)) % 2;
+        let labels: Vec<u32> = (0..n).map(|i| if rng.u32(0..noise) == 0 { rng.u32(0..2) } else { label(i) }).collect();
         let problem = Problem { depth: 3, leaf_size: rng.usize(4..12), ..problem_of_ranks(&ranks, &labels) };
         let [least, without] =
             [Switches::default(), Switches::without(&["free"]).expect("a known name")].map(|switches| {
