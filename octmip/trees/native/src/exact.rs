@@ -88,8 +88,9 @@ struct CutRow {
     position: usize,
     /// Of both sides.
     bounds: [i64; 2],
-    /// The same with leaves of any size.
-    free: [i64; 2],
+    /// The same with leaves of any size, and of `sizes`.
+    free: [[i64; 2]; 2],
+    sizes: [usize; 2],
     target: i64,
     is_free: bool,
     slack: i64,
@@ -101,8 +102,8 @@ struct CutRow {
 struct SolvedRow {
     /// Of both sides.
     bounds: [i64; 2],
-    /// The same with leaves of any size.
-    free: [i64; 2],
+    /// The same with leaves of any size, and of `sizes`.
+    free: [[i64; 2]; 2],
     /// Cost above the base, and rows of the tree.
     tree: Incumbent,
     /// Evaluated cuts.
@@ -113,8 +114,8 @@ struct SolvedRow {
 
 /// A cut that one of the workers solved; None when it was stopped or has failed.
 fn ask_for(workers: &Workers, level: usize, cut: &Cut, control: &Control) -> Option<SolvedCut> {
-    let &Cut { feature, position, bounds, free, target, is_free, slack } = cut;
-    let row = CutRow { feature, position, bounds, free, target, is_free, slack };
+    let &Cut { feature, position, bounds, free, sizes, target, is_free, slack } = cut;
+    let row = CutRow { feature, position, bounds, free, sizes, target, is_free, slack };
     let SolvedRow { bounds, free, tree, n_evaluated, record } = workers.ask((level, row), &|| !control.is_stopped())?;
     Some(SolvedCut { bounds, free, tree: workers.checked(known_tree(tree))?, n_evaluated, record })
 }
@@ -134,8 +135,8 @@ impl PyCutSolver {
 
     /// Solve a cut at a level, with what a log says of it if one is written; None when Ctrl-C stopped it.
     fn solve(&self, py: Python<'_>, level: usize, row: CutRow) -> PyResult<Option<SolvedRow>> {
-        let CutRow { feature, position, bounds, free, target, is_free, slack } = row;
-        let cut = Cut { feature, position, bounds, free, target, is_free, slack };
+        let CutRow { feature, position, bounds, free, sizes, target, is_free, slack } = row;
+        let cut = Cut { feature, position, bounds, free, sizes, target, is_free, slack };
         if !self.inner.has(&cut) {
             return Err(PyValueError::new_err(format!("feature {feature} has no cut at {position}")));
         }

@@ -7,7 +7,8 @@ use octmip_exact::{Helpers, Options, Switches, one_level_deeper, solve, write_pr
 use octmip_frame::control::Limits;
 use octmip_frame::effort::Control;
 use octmip_oracle::{
-    Case, N_CASES, case_of_large_leaves, case_of_many_labels, cost_of, log_of, optimum, random_case, random_cases,
+    Case, N_CASES, case_of_large_leaves, case_of_many_labels, cost_of, log_of, optimum, problem_of_ranks, random_case,
+    random_cases,
 };
 
 /// So many of small problems of many kinds; each level more takes several times as long.
@@ -73,6 +74,29 @@ fn trees_of_large_leaves_cost_what_the_best_of_all_such_trees_does() {
         assert_eq!((found.objective, found.bound), (best, best), "{name}");
         assert_eq!(cost_of(&problem, &found.tree), Some(best), "{name}");
         assert_proves(&problem, &question, best, Switches::default(), seed);
+    }
+}
+
+#[test]
+fn trees_of_large_leaves_of_many_samples_cost_the_same_without_the_bounds_of_smaller_leaves() {
+    for seed in 0..24 {
+        let rng = &mut fastrand::Rng::with_seed(seed);
+        let n = rng.usize(40..80);
+        let ranks: Vec<u32> = (0..3 * n).map(|_| rng.u32(0..60)).collect();
+        // Runs of few values of one label: leaves of the least size do not fit them.
+        let (width, noise) = (rng.u32(5..15), rng.u32(2..12));
+        let label = |i: usize| (ranks[i] / width + ranks[n + i] / (2 * width)) % 2;
+        let labels: Vec<u32> = (0..n).map(|i| if rng.u32(0..noise) == 0 { rng.u32(0..2) } else { label(i) }).collect();
+        let problem = Problem { depth: 3, leaf_size: rng.usize(4..12), ..problem_of_ranks(&ranks, &labels) };
+        let [least, without] =
+            [Switches::default(), Switches::without(&["free"]).expect("a known name")].map(|switches| {
+                let options = Options { limits: Limits::default(), n_threads: 1, incumbent: None, switches };
+                let found =
+                    solve(&problem, &options, None, None, None, &mut |_| true).expect("nothing is known before");
+                assert_eq!(found.objective, found.bound, "seed {seed}");
+                found.objective
+            });
+        assert_eq!(least, without, "seed {seed}");
     }
 }
 

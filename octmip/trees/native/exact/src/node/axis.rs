@@ -5,7 +5,9 @@
 //!
 //! * monotone: `e(L(k)) >= e(L(a))` and `e(R(k)) >= e(R(b))`: the best tree for the larger set, used on the smaller
 //!   one, costs no more there. False when leaves have a least size (the tree may be infeasible on the smaller set): it
-//!   then holds of the free bounds beside them (`node::beside`), as does the bound of mixed labels.
+//!   then holds of the free bounds beside them (`node::beside`), as does the bound of mixed labels. In a narrow run of
+//!   cuts it holds of more: a leaf of `s` samples of L(k) has `s - (k - a)` of L(a) at least. So with `e_r` the least
+//!   cost of leaves of `r` samples or more, `e_s(L(k)) >= e_r(L(a))` where `k - a <= s - r`, and with mixed labels.
 //! * cost range: `e(L(k)) >= e(L(b)) - (range(b) - range(k))` and `e(R(k)) >= e(R(a)) - (range(k) - range(a))`: the
 //!   best tree for the smaller set is feasible on the larger and costs at most the range of the new samples more.
 //! * mixed labels: `e(L(k)) >= e(L(a)) + g(a, k)`, g the least cost of the samples between when only as many labels
@@ -25,6 +27,9 @@ use octmip_frame::interval::Interval;
 
 use mixed::MixedLabels;
 
+/// Bounds of the children of a cut with leaves of any size, and with leaves as small as `Axis::sizes`.
+pub type Beside = [[i64; 2]; 2];
+
 /// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
 #[derive(Debug, Default)]
 pub(crate) struct Axis {
@@ -36,8 +41,10 @@ pub(crate) struct Axis {
     pub(crate) left: Vec<i64>,
     /// Lower bound of the right child; of the cuts that were solved.
     pub(crate) right: Vec<i64>,
-    /// The same of both children with leaves of any size; not where that is the problem itself.
-    free: [Vec<i64>; 2],
+    /// The same of both children with leaves of any size, and with leaves as small as `sizes`; not where leaves of any
+    /// size are the problem itself.
+    free: [[Vec<i64>; 2]; 2],
+    leaf_size: usize,
     is_beside: bool,
     mixed: MixedLabels,
     /// Least cost of both children by price and labels, or by earlier searches; never falls as a child grows.
@@ -57,16 +64,16 @@ impl Axis {
         &mut self,
         samples: &Samples,
         view: &View,
-        f: usize,
+        (f, leaf_size): (usize, usize),
         n_leaves: usize,
         whole: i64,
         switches: &Switches,
     ) {
         self.is_beside = samples.free.is_some() && switches.monotone;
-        self.is_monotone = (samples.leaf_size == 1 || self.is_beside) && switches.monotone;
+        self.is_monotone = (leaf_size == 1 || self.is_beside) && switches.monotone;
         self.has_range = switches.cost_range;
         self.make_room(view.len + 1);
-        self.lay_cuts(samples, view, f);
+        self.lay_cuts(samples, view, (f, leaf_size));
         if switches.mixed_labels && self.is_monotone {
             self.mixed.lay(samples, view, f, n_leaves, &self.positions[..self.n_cuts]);
         } else {
@@ -87,19 +94,20 @@ impl Axis {
             self.least_of = Default::default();
         }
         let last = self.last();
-        self.enter(0, [0, whole], [0, whole]);
-        self.enter(last, [whole, 0], [whole, 0]);
+        self.enter(0, [0, whole], [[0, whole]; 2]);
+        self.enter(last, [whole, 0], [[whole, 0]; 2]);
     }
 
     /// Lay out the cuts alone.
     pub(crate) fn lay_positions(&mut self, samples: &Samples, view: &View, f: usize) {
         self.make_room(view.len + 1);
-        self.lay_cuts(samples, view, f);
+        self.lay_cuts(samples, view, (f, samples.leaf_size));
     }
 
     /// Positions and total ranges: of every sample one, where no two have the same value.
-    fn lay_cuts(&mut self, samples: &Samples, view: &View, f: usize) {
-        let smallest = samples.leaf_size.max(1);
+    fn lay_cuts(&mut self, samples: &Samples, view: &View, (f, leaf_size): (usize, usize)) {
+        self.leaf_size = leaf_size;
+        let smallest = leaf_size.max(1);
         self.n_cuts = 0;
         self.push(0, 0);
         if !samples.has_ties[f] && smallest == 1 && samples.range_of_all.is_some() {
@@ -129,7 +137,7 @@ impl Axis {
             list.resize(room, 0);
         }
         if self.is_beside {
-            self.free.iter_mut().for_each(|list| list.resize(room, 0));
+            self.free.iter_mut().flatten().for_each(|list| list.resize(room, 0));
         }
     }
 
@@ -140,20 +148,22 @@ impl Axis {
         self.n_cuts += 1;
     }
 
-    /// Enter a solved cut: lower bounds of its children, and of the same with leaves of any size.
+    /// Enter a solved cut: lower bounds of its children, and of the same with leaves of any size and of `sizes`.
     #[inline(always)]
-    pub(crate) fn enter(&mut self, k: usize, bounds: [i64; 2], free: [i64; 2]) {
+    pub(crate) fn enter(&mut self, k: usize, bounds: [i64; 2], free: Beside) {
         [self.left[k], self.right[k]] = bounds;
         if self.is_beside {
-            [self.free[0][k], self.free[1][k]] = free;
+            for (lists, bounds) in self.free.iter_mut().zip(free) {
+                [lists[0][k], lists[1][k]] = bounds;
+            }
         }
     }
 
-    /// Bounds of left or right children that hold of all larger ones.
+    /// Bounds of left or right children that hold of all larger ones in the interval.
     #[inline(always)]
     fn grown(&self, side: usize) -> &[i64] {
         match (self.is_beside, side) {
-            (true, side) => &self.free[side],
+            (true, side) => &self.free[1][side],
             (_, 0) => &self.left,
             _ => &self.right,
         }
@@ -175,7 +185,7 @@ impl Axis {
         for known in solved.iter().filter(|known| known.feature == f) {
             if let Some(k) = self.cut_at(known.position) {
                 let free = if self.has_least { [0, 1].map(|side| self.least_of[side][k]) } else { [0, 0] };
-                self.enter(k, known.bounds, free);
+                self.enter(k, known.bounds, [free; 2]);
                 cuts.push(k);
             }
         }
@@ -234,26 +244,35 @@ impl Axis {
         }
     }
 
-    /// The same of a solved cut.
+    /// The same of a solved cut with leaves of any size.
     pub(crate) fn free_at(&self, k: usize) -> [i64; 2] {
-        if self.is_beside { [self.free[0][k], self.free[1][k]] } else { [0, 0] }
+        if self.is_beside { [0, 1].map(|side| self.free[0][side][k]) } else { [0, 0] }
     }
 
-    /// The same of their trees with leaves of any size.
-    pub(crate) fn free_bounds(&self, interval: &Interval, k: usize) -> [i64; 2] {
+    /// The same of their trees with leaves of any size, and with leaves of `sizes`.
+    pub(crate) fn free_bounds(&self, interval: &Interval, k: usize) -> Beside {
         if !self.is_beside {
-            return [0, 0];
+            return Beside::default();
         }
         let Interval { a, b, .. } = *interval;
-        let mut free = [self.free[0][a] + self.between(a, k), self.free[1][b] + self.between(k, b)];
+        let between = [self.between(a, k), self.between(k, b)];
+        let [mut free, grown] = [0, 1].map(|of| [self.free[of][0][a] + between[0], self.free[of][1][b] + between[1]]);
         if self.has_range {
-            free[0] = free[0].max(self.free[0][b] - (self.total_range[b] - self.total_range[k]));
-            free[1] = free[1].max(self.free[1][a] - (self.total_range[k] - self.total_range[a]));
+            free[0] = free[0].max(self.free[0][0][b] - (self.total_range[b] - self.total_range[k]));
+            free[1] = free[1].max(self.free[0][1][a] - (self.total_range[k] - self.total_range[a]));
         }
         if self.has_least {
             free = [0, 1].map(|side| free[side].max(self.least_of[side][k]));
         }
-        free.map(|bound| bound.max(0))
+        let free = free.map(|bound| bound.max(0));
+        [free, [0, 1].map(|side| free[side].max(grown[side]))]
+    }
+
+    /// Sizes of leaves for which the left child of cut `k` bounds those of the cuts after it in the interval, and the
+    /// right child those of the cuts before it (monotone, above).
+    pub(crate) fn sizes(&self, interval: &Interval, k: usize) -> [usize; 2] {
+        let [low, k, high] = [interval.low, k, interval.high].map(|cut| self.positions[cut] as usize);
+        [high - k, k - low].map(|width| self.leaf_size.saturating_sub(width).max(1))
     }
 
     #[inline]

@@ -8,10 +8,14 @@
 //! * else the cuts of the node are searched with two pairs of bounds (`axis`), for trees below `e + 1`, then below more
 //!   and more: what such a search finds is the best tree, and what it does not find bounds the node;
 //! * a cut is solved in the free problem first, with slack; only where both its sides together stay below the target
-//!   they are solved again with their own size, and with little slack.
+//!   they are solved again with their own size, and with little slack;
+//! * in a narrow run of cuts they are solved with smaller leaves before that, of as many samples as a large leaf keeps
+//!   of its own in the farthest cut of the run (`axis`), and not in the free problem where these are half as large or
+//!   more: what trees of smaller leaves cost bounds `e_s` as `e` does.
 //!
 //! Wherever a bound of `e` is used in the place of one of `e_s` it is lower, so nothing is lost.
 
+use crate::node::axis::{Axis, Beside};
 use crate::node::children::{Both, Children};
 use crate::node::kept::Kept;
 use crate::node::log::Log;
@@ -21,6 +25,7 @@ use crate::node::search::{Cut, Search};
 use crate::samples::Samples;
 use crate::stumps::place::{Place, Stump, StumpSolver};
 use crate::view::View;
+use octmip_frame::interval::Interval;
 
 /// Shares of what the free tree of a node costs by which trees may cost more at first: one in so many.
 const FIRST: i64 = 64;
@@ -57,7 +62,6 @@ impl<'a> Search<'a> {
         floor: i64,
         (free, is_child): (NodeResult, bool),
     ) -> NodeResult {
-        let takes_first = self.takes_first;
         let Some((cost, plan)) = free.best.filter(|_| !self.is_stopped()) else {
             return NodeResult::none(free.lower.max(floor));
         };
@@ -65,13 +69,16 @@ impl<'a> Search<'a> {
             Some((cost, plan)) => NodeResult::cheapest(cost, plan, upper),
             None => NodeResult::none(upper),
         };
+        if self.takes_first {
+            // So does the search of the free problem: its tree is no bound.
+            return if best.best.is_some() { best } else { self.by_cuts(view, depth, upper, floor) };
+        }
         let floor = floor.max(cost);
         // The budget of a child is little above its free cost; and a log names the cuts once, of the last step.
         let mut step = if is_child || self.log.is_some() { i64::MAX } else { first_step(cost, view) };
         let mut proven = floor;
-        while proven < best.cost(upper) && !(takes_first && best.best.is_some()) && !self.is_stopped() {
+        while proven < best.cost(upper) && !self.is_stopped() {
             let asked = best.cost(upper).min(proven.max(cost).saturating_add(step));
-            self.takes_first = takes_first;
             let found = self.by_cuts(view, depth, asked, floor);
             if found.best.is_some() {
                 best = found;
@@ -88,11 +95,11 @@ impl<'a> Search<'a> {
         let leaf = (view.leaf(), Plan::Leaf);
         let found = match plan {
             Plan::Leaf => None,
-            Plan::Stump => Some((self.fitting.whole(self.samples, view, leaf.0).value, Plan::Stump)),
+            Plan::Stump => Some((self.fitting.whole(self.samples, view, self.leaf_size, leaf.0).value, Plan::Stump)),
             Plan::Split { feature, cut, sides } => {
                 let ranks = self.samples.ranks_of(*feature);
                 let k = view.list(*feature).partition_point(|&i| ranks[i as usize] <= *cut);
-                let small = [k, view.len - k].map(|len| len < self.samples.leaf_size);
+                let small = [k, view.len - k].map(|len| len < self.leaf_size);
                 if small[0] || small[1] {
                     return self.fitted(view, &sides[usize::from(small[0])]);
                 }
@@ -136,21 +143,29 @@ impl<'a> Search<'a> {
         if self.free.is_none() {
             return free.value;
         }
-        let place = Place::whole(view);
-        self.fitting.stump(self.samples, &place, 1, upper, |f| solver.reach(f, 1)).value
+        let (place, sizes) = (Place::whole(view), [self.leaf_size]);
+        self.fitting.stump(self.samples, &place, (1, sizes), upper, solver.sums(1), |f| solver.reach(f, 1))[0].value
     }
 
-    /// Best stumps of both sides of a cut by their best free ones: exact unless their bounds reach the target of the
-    /// cut or `threshold` together.
+    /// Best stumps of both sides of cut `k` of an interval by their best free ones: exact unless their bounds reach the
+    /// target of the cut or `threshold` together. And what bounds neighbouring cuts.
     pub(super) fn fitting_stumps(
         &mut self,
         solver: &dyn StumpSolver,
         place: &Place<'_>,
         threshold: i64,
         mut stumps: [Stump; 2],
-    ) -> [Stump; 2] {
+        (axis, interval, k): (&Axis, &Interval, usize),
+    ) -> ([Stump; 2], Beside) {
+        let free = stumps.map(|stump| stump.lower);
         if self.free.is_none() {
-            return stumps;
+            return (stumps, [free; 2]);
+        }
+        let (bounds, sizes) = (axis.bounds(interval, k), self.near(axis.sizes(interval, k)));
+        let mut within = axis.free_bounds(interval, k)[1];
+        for (side, bound) in [bounds.0, bounds.1].into_iter().enumerate() {
+            within[side] = within[side].max(free[side]);
+            stumps[side].lower = within[side].max(bound);
         }
         let first = usize::from(2 * place.k > place.view.len); // the smaller one fails sooner
         for side in [first, 1 - first].into_iter().filter(|&side| place.leaf_side != Some(side)) {
@@ -159,43 +174,70 @@ impl<'a> Search<'a> {
                 stumps[side].value = i64::MAX; // none is known, none is wanted
                 continue;
             }
-            let found = self.fitting.stump(self.samples, place, side, upper, |f| solver.reach(f, side));
-            stumps[side] = Stump { lower: found.lower.max(stumps[side].lower), ..found };
+            let sizes = [sizes[side], self.leaf_size];
+            let (sums, reach) = (solver.sums(side), |f| solver.reach(f, side));
+            let [near, own] = self.fitting.stump(self.samples, place, (side, sizes), upper, sums, reach);
+            within[side] = within[side].max(near.lower);
+            stumps[side] = Stump { lower: own.lower.max(stumps[side].lower), ..own };
         }
-        stumps
+        (stumps, [free, within])
+    }
+
+    /// Sizes of leaves for bounds of neighbouring cuts: any, where a log is written, which has no line for others.
+    fn near(&self, sizes: [usize; 2]) -> [usize; 2] {
+        if self.log.is_some() { [1, 1] } else { sizes }
     }
 
     /// Solve both children of a cut, in the free problem first.
     pub(super) fn children_beside(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
         let mut children =
             Children { bounds: cut.bounds, free: cut.free, tree: None, record: String::new(), kept: Kept::default() };
-        let both = self.free.as_deref_mut().and_then(|free| free.both(view, depth, cut, cut.free, sides));
+        let (own, near) = (self.leaf_size, self.near(cut.sizes));
+        // In a narrow run the leaves of any size tell little more than those nearly as large as wanted.
+        let both = match self.free.as_deref_mut().filter(|_| 2 * near[0].min(near[1]) <= own) {
+            Some(free) => free.both(view, depth, cut, cut.free[0], sides),
+            None => {
+                let plans = cut.free[1].map(|bound| Some((bound, Plan::Leaf)));
+                Some(Both { bounds: cut.free[0], plans, records: [None, None], is_split: false })
+            }
+        };
         let Some(Both { bounds: free, plans, records, is_split }) = both else { return children };
         let mut records = [records, [None, None]];
-        let mut bounds = [0, 1].map(|side| cut.bounds[side].max(free[side]));
-        children.free = free;
+        let mut within = [0, 1].map(|side| cut.free[1][side].max(free[side]));
+        let mut bounds = [0, 1].map(|side| cut.bounds[side].max(within[side]));
         if bounds[0] + bounds[1] < cut.target && !is_split {
             self.split(view, cut, sides);
         }
         let first = usize::from(2 * cut.position > view.len); // the smaller one fails sooner
-        let usual = view.total_range / (view.len as i64).max(1);
-        let slack = cut.slack.min((self.samples.leaf_size / SLACK) as i64 * usual);
         let mut found = [None, None];
         let mut results = plans.map(|plan| plan.map(|(cost, plan)| NodeResult::found(cost, plan)));
-        for side in [first, 1 - first] {
-            if bounds[0] + bounds[1] >= cut.target {
-                break;
+        let usual = view.total_range / (view.len as i64).max(1);
+        for (sizes, is_own) in [(near, false), ([own; 2], true)] {
+            let slack = if is_own { cut.slack.min((own / SLACK) as i64 * usual) } else { cut.slack };
+            for side in [first, 1 - first].into_iter().filter(|&side| is_own || sizes[side] > 1) {
+                if bounds[0] + bounds[1] >= cut.target {
+                    break;
+                }
+                let (budget, floor) = (cut.target + slack - bounds[1 - side], [within[side], bounds[side]]);
+                self.leaf_size = sizes[side];
+                let known = results[side].take();
+                let result = self.solve_beside(&sides[side], depth - 1, budget, floor[usize::from(is_own)], known);
+                self.leaf_size = own;
+                if self.is_stopped() {
+                    return Children { bounds: cut.bounds, free: cut.free, ..children };
+                }
+                bounds[side] = bounds[side].max(result.lower);
+                if is_own {
+                    found[side] = result.best;
+                    records[1][side] = self.log.as_mut().and_then(Log::take);
+                } else {
+                    within[side] = within[side].max(result.lower);
+                    results[side] = Some(result);
+                }
             }
-            let budget = cut.target + slack - bounds[1 - side];
-            let result = self.solve_beside(&sides[side], depth - 1, budget, bounds[side], results[side].take());
-            if self.is_stopped() {
-                return Children { bounds: cut.bounds, free: cut.free, ..children };
-            }
-            bounds[side] = bounds[side].max(result.lower);
-            found[side] = result.best;
-            records[1][side] = self.log.as_mut().and_then(Log::take);
         }
         self.log_cut(view, cut, &records);
+        children.free = [free, within];
         Children { bounds, tree: self.joined(view, cut, found), ..children }
     }
 }

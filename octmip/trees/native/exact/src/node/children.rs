@@ -1,5 +1,6 @@
 //! Both children of a cut: solved one after the other, joined, and written to the log.
 
+use crate::node::axis::Beside;
 use crate::node::kept::Kept;
 use crate::node::log::Log;
 use crate::node::plan::Plan;
@@ -11,8 +12,8 @@ use crate::view::View;
 pub(crate) struct Children {
     /// Lower bounds of both children.
     pub(crate) bounds: [i64; 2],
-    /// The same with leaves of any size; 0 where that is the problem itself.
-    pub(crate) free: [i64; 2],
+    /// The same with leaves of any size, and with leaves of the cut's `sizes`; 0 where that is the problem itself.
+    pub(crate) free: Beside,
     /// Cost and plan when both were found, the cut itself included.
     pub(crate) tree: Option<(i64, Plan)>,
     /// What a log says of them, where one is written of the root's cuts one by one.
@@ -36,7 +37,7 @@ impl Search<'_> {
             return self.children_beside(view, depth, cut, sides);
         }
         let nothing =
-            Children { bounds: cut.bounds, free: [0, 0], tree: None, record: String::new(), kept: Kept::default() };
+            Children { bounds: cut.bounds, free: cut.free, tree: None, record: String::new(), kept: Kept::default() };
         let Some(Both { bounds, plans, records, .. }) = self.both(view, depth, cut, cut.bounds, sides) else {
             return nothing;
         };

@@ -29,7 +29,7 @@ impl Search<'_> {
         if upper <= floor {
             return NodeResult::none(floor);
         }
-        if leaf <= floor.max(self.samples.penalty) || view.len < 2 * self.samples.leaf_size {
+        if leaf <= floor.max(self.samples.penalty) || view.len < 2 * self.leaf_size {
             return NodeResult::cheapest(leaf, Plan::Leaf, upper);
         }
         let mut solver = self.take_solver(view);
@@ -69,7 +69,7 @@ impl Search<'_> {
         let holding = view.holding(f);
         let view = holding.as_ref().unwrap_or(view);
         let mut axis = std::mem::take(&mut self.axis);
-        axis.lay(samples, view, f, 2, whole, &self.switches);
+        axis.lay(samples, view, (f, self.leaf_size), 2, whole, &self.switches);
         axis.want_levels(samples, 1);
         if let Some(side) = leaf_side {
             axis.take_up_leaves(samples, view, f, side);
@@ -97,11 +97,11 @@ impl Search<'_> {
             let stumps = solver.both(self.free_samples(), &place, threshold);
             counted.push(k_left as u32);
             self.n_evaluated += 1;
-            let free = stumps.map(|stump| stump.lower);
-            let [left, right] = self.fitting_stumps(&*solver, &place, threshold, stumps);
+            let around = (&axis, &interval, k);
+            let ([left, right], free) = self.fitting_stumps(&*solver, &place, threshold, stumps, around);
             axis.enter(k, [left.lower, right.lower], free);
             if samples.penalty > 0 {
-                self.solved.push(Solved { feature: f, position: k_left, bounds: free });
+                self.solved.push(Solved { feature: f, position: k_left, bounds: free[0] });
             }
             let cost = left.value.saturating_add(right.value).saturating_add(samples.penalty);
             self.incumbents[f].see(cost, k_left);

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use crate::node::axis::Axis;
+use crate::node::axis::{Axis, Beside};
 use crate::node::by_values::ByValues;
 use crate::node::kept::{Seen, Shared, keeps};
 use crate::node::log::Log;
@@ -27,8 +27,10 @@ pub struct Cut {
     pub position: usize,
     /// Known lower bounds of both children.
     pub bounds: [i64; 2],
-    /// The same with leaves of any size; 0 where that is the problem itself.
-    pub free: [i64; 2],
+    /// The same with leaves of any size, and with leaves of `sizes`; 0 where that is the problem itself.
+    pub free: Beside,
+    /// Sizes of leaves for which the children bound neighbouring cuts.
+    pub sizes: [usize; 2],
     /// Both children together must cost less.
     pub target: i64,
     /// Whether leaves may have any size, where the problem's have a least one.
@@ -50,6 +52,8 @@ struct Level {
 pub struct Search<'a> {
     /// Samples that are searched.
     pub(crate) samples: &'a Samples,
+    /// Fewest samples in a leaf: those of the samples, or less where neighbouring cuts are to be bounded.
+    pub(super) leaf_size: usize,
     /// Prunes that are on.
     pub(crate) switches: Switches,
     /// Cuts evaluated by stumps.
@@ -83,6 +87,7 @@ impl<'a> Search<'a> {
     pub fn new(samples: &'a Samples, switches: Switches, control: &'a Control, depth: usize) -> Self {
         Self {
             samples,
+            leaf_size: samples.leaf_size,
             switches,
             n_evaluated: 0,
             incumbents: Vec::new(),
@@ -163,8 +168,11 @@ impl<'a> Search<'a> {
     pub(super) fn searched(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
         match &mut self.free {
             Some(free) => {
-                let free = free.solve(view, depth, upper, 0);
-                self.beside(view, depth, upper, floor, (free, false))
+                // Not where results are kept: the first tree is no bound.
+                free.takes_first = self.takes_first && !self.keeps;
+                let result = free.solve(view, depth, upper, 0);
+                free.takes_first = false;
+                self.beside(view, depth, upper, floor, (result, false))
             }
             None => self.by_cuts(view, depth, upper, floor),
         }
@@ -264,7 +272,7 @@ impl<'a> Search<'a> {
     ) -> NodeResult {
         let samples = self.samples;
         let mut level = std::mem::take(&mut self.levels[depth]);
-        level.axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &self.switches);
+        level.axis.lay(samples, view, (f, self.leaf_size), 1 << (depth - 1).min(20), whole, &self.switches);
         if self.switches.shallower_first && self.free.is_none() {
             level.axis.want_levels(samples, shallower);
             level.axis.take_up_fewer(f, fewer);
@@ -286,6 +294,7 @@ impl<'a> Search<'a> {
                 position: level.axis.positions[k] as usize,
                 bounds: level.axis.bounds(&interval, k).into(),
                 free: level.axis.free_bounds(&interval, k),
+                sizes: level.axis.sizes(&interval, k),
                 target,
                 is_free: false,
                 slack,
@@ -296,7 +305,7 @@ impl<'a> Search<'a> {
             }
             level.axis.enter(k, children.bounds, children.free);
             if samples.penalty > 0 {
-                let bounds = if self.free.is_some() { children.free } else { children.bounds };
+                let bounds = if self.free.is_some() { children.free[0] } else { children.bounds };
                 solved.push(Solved { feature: f, position: cut.position, bounds });
             }
             if let Some((cost, plan)) = children.tree {
@@ -317,7 +326,7 @@ impl<'a> Search<'a> {
     /// Whether a leaf is best without a look at the cuts.
     pub(crate) fn is_leaf_best(&self, (leaf, len): (i64, usize), depth: usize, floor: i64) -> bool {
         let is_cheap = leaf <= floor.max(self.samples.penalty) || self.samples.n_labels == 1;
-        depth == 0 || is_cheap || len < 2 * self.samples.leaf_size || self.samples.p == 0
+        depth == 0 || is_cheap || len < 2 * self.leaf_size || self.samples.p == 0
     }
 
     /// Add the cuts evaluated here to those of the other threads.

@@ -61,7 +61,7 @@ impl Search<'_> {
 
     /// All cuts of feature `f`, where one label is best for all samples and nothing is to be bounded.
     fn every_cut(&mut self, view: &View, f: usize, found: &mut Vec<Solved>) {
-        self.axis.lay(self.samples, view, f, 2, 0, &self.switches);
+        self.axis.lay(self.samples, view, (f, self.leaf_size), 2, 0, &self.switches);
         let inner = &self.axis.positions[1..self.axis.last().max(1)];
         found.extend(inner.iter().map(|&k| Solved { feature: f, position: k as usize, bounds: [0, 0] }));
     }
@@ -78,7 +78,7 @@ impl Search<'_> {
     ) {
         let samples = self.samples;
         let mut axis = std::mem::take(&mut self.axis);
-        axis.lay(samples, view, f, 2, whole, &self.switches);
+        axis.lay(samples, view, (f, self.leaf_size), 2, whole, &self.switches);
         let mut is_fresh = true;
         let mut open: Vec<Interval> = axis.whole().into_iter().collect();
         while let Some((interval, k)) = open.pop().map(|interval| next(&axis, interval, target)) {
@@ -94,8 +94,10 @@ impl Search<'_> {
             let threshold = target + if self.switches.slack { axis.slack(&interval, k) } else { 0 };
             let stumps = solver.both(self.free_samples(), &place, threshold);
             self.n_evaluated += 1;
-            let bounds = self.fitting_stumps(&*solver, &place, threshold, stumps).map(|stump| stump.lower);
-            axis.enter(k, bounds, stumps.map(|stump| stump.lower));
+            let around = (&axis, &interval, k);
+            let (stumps, free) = self.fitting_stumps(&*solver, &place, threshold, stumps, around);
+            let bounds = stumps.map(|stump| stump.lower);
+            axis.enter(k, bounds, free);
             if bounds[0] + bounds[1] < target {
                 found.push(Solved { feature: f, position, bounds });
             }
@@ -109,7 +111,7 @@ impl Search<'_> {
         let samples = self.samples;
         let mut axis = Axis::default();
         let mut sides = [View::default(), View::default()];
-        axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &self.switches);
+        axis.lay(samples, view, (f, self.leaf_size), 1 << (depth - 1).min(20), whole, &self.switches);
         let mut queue: VecDeque<Interval> = axis.whole().into_iter().collect();
         while let Some((interval, k)) = queue.pop_front().map(|interval| next(&axis, interval, target)) {
             let Some((interval, k)) = interval.zip(k) else { continue };
@@ -120,6 +122,7 @@ impl Search<'_> {
                 position,
                 bounds: axis.bounds(&interval, k).into(),
                 free: axis.free_bounds(&interval, k),
+                sizes: axis.sizes(&interval, k),
                 target,
                 is_free: false,
                 slack,

@@ -52,14 +52,14 @@ impl Search<'_> {
         }
         let leaf = set.leaf();
         let mut depth = levels_below(upper.min(leaf), self.price(), depth);
-        if self.samples.leaf_size > 1 && self.log.is_none() {
-            depth = depth.min(levels_of(set.len, self.samples.leaf_size));
+        if self.leaf_size > 1 && self.log.is_none() {
+            depth = depth.min(levels_of(set.len, self.leaf_size));
         }
         if self.is_leaf_best((leaf, set.len), depth, floor) {
             return Ok(NodeResult::cheapest(leaf, Plan::Leaf, upper));
         }
         let mut unknown = Unknown { key: None, depth, floor };
-        if self.keeps && depth > 1 {
+        if self.keeps && depth > 1 && self.leaf_size == self.samples.leaf_size {
             let key = key(self.samples, set.ids);
             match self.known.find(&key, depth, upper, self.samples.penalty) {
                 Ok((result, incumbents)) => {

@@ -5,6 +5,7 @@
 //! with its process is asked for again. Where results of nodes are kept (`node::kept`), those of other cuts stay at
 //! this end: more is evaluated elsewhere, and of equally good trees another may be found.
 
+use crate::node::axis::Beside;
 use crate::node::children::Children;
 use crate::node::kept::Kept;
 use crate::node::plan::Plan;
@@ -21,8 +22,8 @@ use octmip_frame::tree::Tree;
 pub struct SolvedCut {
     /// Lower bounds of both children.
     pub bounds: [i64; 2],
-    /// The same with leaves of any size; 0 where that is the problem itself.
-    pub free: [i64; 2],
+    /// The same with leaves of any size, and of the cut's `sizes`; 0 where that is the problem itself.
+    pub free: Beside,
     /// Cost above the base in the search's unit, and the tree.
     pub tree: Option<(i64, Tree)>,
     /// Cuts evaluated.

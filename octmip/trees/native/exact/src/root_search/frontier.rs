@@ -117,7 +117,7 @@ impl<'a> Frontier<'a> {
         let mut solved = Vec::new();
         for (place, &f) in features.iter().enumerate() {
             let mut axis = Axis::default();
-            axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &switches);
+            axis.lay(samples, view, (f, samples.leaf_size), 1 << (depth - 1).min(20), whole, &switches);
             if samples.free.is_none() {
                 axis.want_levels(samples, before);
                 axis.take_up_fewer(f, fewer);
@@ -392,6 +392,7 @@ fn cut(axis: &Axis, f: usize, interval: &Interval, k: usize, target: i64, switch
         position: axis.positions[k] as usize,
         bounds: axis.bounds(interval, k).into(),
         free: axis.free_bounds(interval, k),
+        sizes: axis.sizes(interval, k),
         target,
         is_free: false,
         slack: if switches.slack { axis.slack(interval, k) } else { 0 },

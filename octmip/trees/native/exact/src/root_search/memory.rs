@@ -59,7 +59,7 @@ fn axis(problem: &Problem, level: usize) -> f64 {
     let (k, n_leaves) = (problem.n_classes, 1 << (level - 1).min(20));
     let labels = if k > n_leaves { k.div_ceil(WIDTH) } else { 0 };
     let sets = if is_plain(problem) { 0 } else { most_width(k, n_leaves) };
-    let beside = if problem.leaf_size > 1 { 32.0 } else { 0.0 };
+    let beside = if problem.leaf_size > 1 { 48.0 } else { 0.0 };
     let prices = if problem.penalty > 0 { 16.0 } else { 0.0 };
     problem.n as f64 * (28.0 + beside + prices + 32.0 * labels.max(sets) as f64)
 }

@@ -8,7 +8,7 @@
 
 use std::collections::VecDeque;
 
-use crate::node::axis::Axis;
+use crate::node::axis::{Axis, Beside};
 use crate::shaped::few::open;
 use crate::shaped::parts::{Asked, Found, Parts, shares};
 use crate::shaped::rules::Rules;
@@ -89,7 +89,7 @@ impl Parts<'_> {
                     let found = self.least(&views[side], (depth, rows[side], changes[side]), most);
                     bounds[side] = bounds[side].max(found);
                 }
-                axis.enter(k, bounds, [0, 0]);
+                axis.enter(k, bounds, Beside::default());
                 least = [0, 1].map(|side| least[side].min(bounds[side]));
                 together = together.min(bounds[0] + bounds[1]);
             }
@@ -113,7 +113,7 @@ impl Parts<'_> {
         let kept = rows.map(|row| &kept[row.unwrap_or(kept.len() - 1)]);
         let n_leaves = kept.iter().map(|kept| kept.n_leaves).max().unwrap_or(1).max(1 << depth.min(20));
         let mut axis = Axis::default();
-        axis.lay(samples, view, f, n_leaves, 0, &Switches::default());
+        axis.lay(samples, view, (f, samples.leaf_size), n_leaves, 0, &Switches::default());
         let last = axis.last();
         [axis.left[last], axis.right[0]] = share.whole;
         for side in [0, 1].into_iter().filter(|&side| share.changes[side] == 0) {

@@ -9,7 +9,7 @@
 
 use std::collections::VecDeque;
 
-use crate::node::axis::Axis;
+use crate::node::axis::{Axis, Beside};
 use crate::node::beside::first_step;
 use crate::node::plan::Plan;
 use crate::node::result::NodeResult;
@@ -261,7 +261,7 @@ impl<'a> Few<'a> {
                 }
             }
             for (axis, share) in axes.iter_mut().zip(shares) {
-                axis.enter(k, [0, 1].map(|side| sides[side].lower[share[side]]), [0, 0]);
+                axis.enter(k, [0, 1].map(|side| sides[side].lower[share[side]]), Beside::default());
             }
             queue.extend(interval.halves(k).into_iter().flatten());
         }
@@ -272,7 +272,7 @@ impl<'a> Few<'a> {
     fn axis(&self, view: &View, f: usize, share: Share, lows: &[i64]) -> Axis {
         let mut axis = Axis::default();
         let n_leaves = share[0].max(share[1]) + 1;
-        axis.lay(self.samples, view, f, n_leaves, 0, &Switches::default());
+        axis.lay(self.samples, view, (f, self.samples.leaf_size), n_leaves, 0, &Switches::default());
         let last = axis.last();
         (axis.left[last], axis.right[0]) = (lows[share[0]], lows[share[1]]);
         for side in [0, 1].into_iter().filter(|&side| share[side] == 0) {

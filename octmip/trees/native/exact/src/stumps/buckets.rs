@@ -5,7 +5,7 @@
 
 use crate::samples::Samples;
 use crate::stumps::groups::{Histogram, Profiles};
-use crate::stumps::place::{Place, Stump, StumpSolver};
+use crate::stumps::place::{Place, Stump, StumpSolver, Sums};
 use crate::stumps::sweep::Lane;
 use crate::stumps::table::{Shape, Table};
 use crate::stumps::uncertainty::{Candidate, Sides};
@@ -209,6 +209,10 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
 
     fn scores(&self) -> &[i64] {
         &self.scores
+    }
+
+    fn sums(&self, side: usize) -> Sums<'_> {
+        (&self.totals[side], self.total_range[side])
     }
 
     fn reach(&self, f: usize, side: usize) -> i64 {

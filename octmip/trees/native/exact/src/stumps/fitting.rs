@@ -4,78 +4,107 @@
 //! (`StumpSolver::reach`). So only the features that may reach what is wanted are walked, the most promising first.
 
 use crate::samples::Samples;
-use crate::stumps::place::{Place, Stump};
+use crate::stumps::place::{Place, Stump, Sums};
 use crate::stumps::scan::split_gain;
 use crate::view::View;
 
 /// Buffers of the walks.
 #[derive(Debug, Default)]
 pub(crate) struct Fitting {
-    totals: Vec<i64>,
     left: Vec<i64>,
+    members: Vec<u32>,
     open: Vec<(i64, usize)>,
 }
 
 impl Fitting {
-    /// The best stump, or leaf, of one side of a cut, exact where it costs less than `upper`. `reach`: the most that a
-    /// stump of a feature gains there with leaves of any size.
-    pub(crate) fn stump(
+    /// The best stumps, or leaf, of one side of a cut, with leaves of one or two sizes, the smaller first; exact where
+    /// they cost less than `upper`. `sums`: of its samples; `reach`: the most that a stump of a feature gains there
+    /// with leaves of any size.
+    pub(crate) fn stump<const N: usize>(
         &mut self,
         samples: &Samples,
         place: &Place<'_>,
-        side: usize,
+        (side, sizes): (usize, [usize; N]),
         upper: i64,
+        sums: Sums<'_>,
         reach: impl Fn(usize) -> i64,
-    ) -> Stump {
-        let list = place.view.list(place.f);
-        let members = if side == 0 { &list[..place.k] } else { &list[place.k..] };
-        self.totals.clear();
-        self.totals.resize(samples.n_labels, 0);
-        members.iter().for_each(|&i| samples.count(i, 1, &mut self.totals));
-        let total_range: i64 = members.iter().map(|&i| samples.range_of(i)).sum();
-        let mut cost = total_range - self.totals.iter().copied().max().unwrap_or(0);
+    ) -> [Stump; N] {
+        let (totals, total_range) = sums;
+        let len = if side == 0 { place.k } else { place.view.len - place.k };
+        let mut costs = [total_range - totals.iter().copied().max().unwrap_or(0); N];
         let least = |gain: i64| total_range.saturating_sub(gain.saturating_sub(samples.penalty));
         let mut open = std::mem::take(&mut self.open);
         open.clear();
-        if members.len() >= 2 * samples.leaf_size {
-            open.extend((0..samples.p).map(|f| (reach(f), f)).filter(|&(gain, _)| least(gain) < cost.min(upper)));
-        }
-        open.sort_unstable_by(|a, b| b.cmp(a));
-        for &(gain, f) in &open {
-            if least(gain) >= cost.min(upper) {
-                break;
-            }
-            if let Some(gain) = self.walk(samples, place, side, members.len(), f) {
-                cost = cost.min(least(gain));
+        // Where there is no room for two leaves of a size one leaf is best.
+        if let Some(last) = (0..N).rev().find(|&size| len >= 2 * sizes[size]) {
+            open.extend(
+                (0..samples.p).map(|f| (reach(f), f)).filter(|&(gain, _)| least(gain) < costs[last].min(upper)),
+            );
+            open.sort_unstable_by(|a, b| b.cmp(a));
+            for &(gain, f) in &open {
+                if least(gain) >= costs[last].min(upper) {
+                    break;
+                }
+                let gains = self.walk(samples, place, (side, sizes), (totals, len), f);
+                costs.iter_mut().zip(gains).for_each(|(cost, gain)| *cost = least(gain).min(*cost));
             }
         }
         self.open = open;
-        // What was not walked costs `upper` or more.
-        Stump { lower: cost.min(upper), value: cost }
+        // What was not walked costs `upper` or more, or no less than the best of the largest leaves that have room.
+        costs.map(|cost| Stump { lower: cost.min(upper), value: cost })
     }
 
-    /// The same of all samples of a view.
-    pub(crate) fn whole(&mut self, samples: &Samples, view: &View, upper: i64) -> Stump {
-        self.stump(samples, &Place::whole(view), 1, upper, |_| i64::MAX)
+    /// The best stump of all samples of a view.
+    pub(crate) fn whole(&mut self, samples: &Samples, view: &View, size: usize, upper: i64) -> Stump {
+        self.stump(samples, &Place::whole(view), (1, [size]), upper, (&view.totals, view.total_range), |_| i64::MAX)[0]
     }
 
-    /// Largest gain of two leaves of a feature on one side, of so many samples.
-    fn walk(&mut self, samples: &Samples, place: &Place<'_>, side: usize, len: usize, f: usize) -> Option<i64> {
-        let (ranks, least) = (samples.ranks_of(f), samples.leaf_size);
+    /// Largest gains of two leaves of a feature on one side, of so many samples, for each of the sizes; the least
+    /// number where there are none.
+    fn walk<const N: usize>(
+        &mut self,
+        samples: &Samples,
+        place: &Place<'_>,
+        (side, sizes): (usize, [usize; N]),
+        (totals, len): (&[i64], usize),
+        f: usize,
+    ) -> [i64; N] {
+        let (list, ranks, has_ties) = (place.view.list(f), samples.ranks_of(f), samples.has_ties[f]);
         self.left.clear();
-        self.left.resize(self.totals.len(), 0);
-        let (mut passed, mut before, mut best) = (0, None, None);
-        for &i in place.view.list(f).iter().filter(|&&i| place.is_on(side, i)) {
-            if passed + least > len {
+        self.left.resize(totals.len(), 0);
+        // Without a branch, as no guess of which samples are on a side is good; it writes ahead.
+        self.members.resize(list.len() + 1, 0);
+        let mut n_members = 0;
+        for &i in list {
+            self.members[n_members] = i;
+            n_members += usize::from(place.is_on(side, i));
+        }
+        let is_pair = samples.is_single && totals.len() == 2;
+        let (mut before, mut difference, mut best) = (0, 0, [i64::MIN; N]);
+        for (passed, &i) in self.members[..len].iter().enumerate() {
+            if passed + sizes[0] > len {
                 break; // too few are left
             }
-            let rank = ranks[i as usize];
-            if passed >= least && before != Some(rank) {
-                best = best.max(Some(split_gain(&self.left, &self.totals)));
+            let (sample, smaller) = (i as usize, passed.min(len - passed));
+            if smaller >= sizes[0] && (!has_ties || before != ranks[sample]) {
+                let size = if smaller >= sizes[N - 1] { N - 1 } else { 0 }; // two sizes at most
+                best[size] = best[size].max(match totals {
+                    // of two labels, one left and one right: as good as a leaf is known
+                    &[first, second] if is_pair => (second + difference).max(first - difference),
+                    _ => split_gain(&self.left, totals),
+                });
             }
-            samples.count(i, 1, &mut self.left);
-            (passed, before) = (passed + 1, Some(rank));
+            if has_ties {
+                before = ranks[sample];
+            }
+            if is_pair {
+                let gain = samples.range_of(i);
+                difference += if samples.profile[sample] == 0 { gain } else { -gain };
+            } else {
+                samples.count(i, 1, &mut self.left);
+            }
         }
+        best[0] = best[0].max(best[N - 1]);
         best
     }
 }

@@ -56,6 +56,9 @@ impl<'a> Place<'a> {
     }
 }
 
+/// Gains of each label on a side of a cut, and its total cost range.
+pub(crate) type Sums<'s> = (&'s [i64], i64);
+
 /// A solver for best stumps.
 pub(crate) trait StumpSolver: Send {
     /// Prepare for views that are subsets of this one and not much smaller.
@@ -69,6 +72,9 @@ pub(crate) trait StumpSolver: Send {
 
     /// Gain of a stump on each feature of the view last taken up (`p`).
     fn scores(&self) -> &[i64];
+
+    /// The sums of a side of the cut that was asked about last (or taken up, right).
+    fn sums(&self, side: usize) -> Sums<'_>;
 
     /// No stump of feature `f` gains more on this side of the cut that was asked about last (or taken up, right).
     fn reach(&self, f: usize, side: usize) -> i64;

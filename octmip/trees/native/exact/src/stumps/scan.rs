@@ -1,13 +1,14 @@
 //! Best stumps by a plain walk along every list: the reference.
 
 use crate::samples::Samples;
-use crate::stumps::place::{Place, Stump, StumpSolver};
+use crate::stumps::place::{Place, Stump, StumpSolver, Sums};
 use crate::view::View;
 
 /// Stump solver by walks.
 #[derive(Debug, Default)]
 pub(crate) struct Scan {
     scores: Vec<i64>,
+    sums: [(Vec<i64>, i64); 2],
 }
 
 /// The best stump of one feature on one side: gain and cut (largest rank that goes left).
@@ -62,6 +63,7 @@ fn largest_after(samples: &Samples, sample: u32, gains: &mut [i64], largest: i64
 }
 
 /// Gain of two leaves, the left of gains `left`, together of gains `totals`.
+#[inline]
 pub(crate) fn split_gain(left: &[i64], totals: &[i64]) -> i64 {
     let (mut low, mut high) = (i64::MIN, i64::MIN);
     for (l, t) in left.iter().zip(totals) {
@@ -88,6 +90,7 @@ impl Scan {
             self.scores[f] = best.map_or(0, |best| best.gain);
             gain = gain.max(self.scores[f] - samples.penalty);
         }
+        self.sums[side] = (totals, total_range);
         Stump { lower: total_range - gain, value: total_range - gain }
     }
 }
@@ -104,6 +107,10 @@ impl StumpSolver for Scan {
 
     fn scores(&self) -> &[i64] {
         &self.scores
+    }
+
+    fn sums(&self, side: usize) -> Sums<'_> {
+        (&self.sums[side].0, self.sums[side].1)
     }
 
     fn reach(&self, _: usize, _: usize) -> i64 {
