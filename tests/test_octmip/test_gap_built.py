@@ -263,6 +263,8 @@ def test_a_stiffness_that_is_lost_or_gained_by_half_and_more_is_named_with_its_s
     (size,) = found.which[0].parameters
     assert size.low < k - 10.0 < size.high
     assert size.size == pytest.approx(k - 10.0, abs=0.3)
+    for load in loads:  # by name, as the function is asked
+        assert found.augmented(twin).predict({}, load) == pytest.approx(spring({"k": k}, load), abs=0.06)
     if not with_run:
         assert found.constants[0].interval[0] < k < found.constants[0].interval[1]
 
