@@ -80,7 +80,8 @@ def constants_of(judged: Sequence[Judged], told: Sequence[Parameter] = ()) -> tu
     for k, (name, (departure, _)) in enumerate(open_.items()):
         own = ranges[name]
         others = {other: float(correlation[k, j]) for j, other in enumerate(open_) if j != k}
-        sound, today = own.nominal + float(before[k]), own.nominal + float(mean[k])
+        sound = float(np.clip(own.nominal + before[k], own.low, own.high))  # where the model has an answer
+        today = own.nominal + float(mean[k])
         found.append(Constant(name, own.unit, own.nominal + departure, sound, today, float(sd[k]), others))
     return tuple(found)
 
