@@ -269,8 +269,8 @@ def test_a_stiffness_that_is_lost_or_gained_by_half_and_more_is_named_with_its_s
         assert found.constants[0].interval[0] < k < found.constants[0].interval[1]
 
 
-@pytest.mark.parametrize("c", [2.0, 3.0, 3.5])
-def test_a_change_whose_readings_saturate_is_named_alone_with_its_size(c):
+@pytest.mark.parametrize(("c", "with_run"), [(2.0, True), (3.0, True), (3.5, True), (0.5, False), (1.5, False)])
+def test_a_change_whose_readings_saturate_is_named_alone_with_its_size(c, with_run):
     def charging(p, loads):
         charged = 1.0 / (1.0 + p["R"] * p["leak"])
         v = 12.0 * charged * (1.0 - np.exp(-loads["t"] / (p["R"] * p["C"] * charged)))
@@ -279,10 +279,11 @@ def test_a_change_whose_readings_saturate_is_named_alone_with_its_size(c):
     own = {"R": (10, 2, 50, "kohm"), "C": (1, 0.1, 4, "mF"), "leak": (0, 0, 0.1, "mS")}
     twin = function_twin(charging, {"v": "V", "i": "mA", "e": "mJ"}, own, ("t",))
     loads, sd = [{"t": t} for t in (1.0, 3.0, 6.0, 10.0, 20.0, 40.0)], np.array([0.02, 0.005, 0.3])
-    found = diagnose(read(twin, loads, 1, sd, C=c), twin, commissioning=read(twin, loads, 2, sd))
+    run = read(twin, loads, 2, sd) if with_run else None
+    found = diagnose(read(twin, loads, 1, sd, C=c), twin, commissioning=run)
     assert found.which[0].effects == ("C",)
-    assert found.which[0].probability > 0.95
-    assert found.which[0].parameters[0].size == pytest.approx(c - 1.0, abs=0.05)
+    assert found.which[0].probability > 0.93
+    assert found.which[0].parameters[0].size == pytest.approx(c - 1.0, abs=0.1)
 
 
 def test_constants_that_one_reading_alone_shows_are_told_with_their_correlation():
