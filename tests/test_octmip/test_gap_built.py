@@ -348,3 +348,11 @@ def test_an_exact_effect_of_a_corrected_twin_knows_the_state():
     opens = SimpleEffect("opens", "-", 1.0, lambda u, size, load, place, state: u * (1.0 + size * state["crack"]))
     found = AugmentedTwin(cracked, (Addition(opens, "", 2.0),)).predict({"crack": 0.25}, 1.0)
     assert found.tolist() == [15.0]
+
+
+def test_a_correction_without_a_run_stays_within_the_ranges_of_the_card():
+    twin = function_twin(springs, READINGS, RANGES | {"k1": (10.0, 9.5, 14.0, "N/mm")}, ("force",))
+    found = diagnose(read(twin, under(), 1, k1=9.45), twin)
+    assert found.constants[0].sound == 9.5
+    expected = springs({"k1": 9.5, "k2": 12.0, "arm": 0.5}, {"force": 60.0})
+    assert found.augmented(twin).predict({}, 60.0) == pytest.approx(expected, 0.01)
