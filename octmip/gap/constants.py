@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.inference.inference import Judged
+from octmip.gap.sizes import Parameter, changed_rows
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +36,7 @@ class Constant:
     drawn
         the model's value.
     sound
-        without what the most probable cause changes.
+        without what the most probable cause changes, at the sizes that are told; of what it changes, the drawing's.
     mean, sd
         today, all hypotheses together.
     correlation
@@ -60,8 +61,8 @@ Z90 = 1.645
 """Standard normal quantile of 95 %."""
 
 
-def constants_of(judged: Sequence[Judged]) -> tuple[Constant, ...]:
-    """Return the constants that are open, given all hypotheses, the most probable first."""
+def constants_of(judged: Sequence[Judged], told: Sequence[Parameter] = ()) -> tuple[Constant, ...]:
+    """Return the constants that are open, given all hypotheses, the most probable first, and the sizes told of it."""
     open_ = judged[0].model.inputs.open if judged else {}
     if not open_:
         return ()
@@ -71,21 +72,36 @@ def constants_of(judged: Sequence[Judged]) -> tuple[Constant, ...]:
     counted = [one for one in judged if one.probability > COUNTS] or list(judged[:1])
     share = np.array([one.probability for one in counted]) / sum(one.probability for one in counted)
     parts = [_of_one(one) for one in counted]
-    mean = np.einsum("h,hk->k", share, np.array([today for _, today, _ in parts]))
-    second = sum(w * (c + np.outer(today - mean, today - mean)) for w, (_, today, c) in zip(share, parts, strict=True))
+    mean = np.einsum("h,hk->k", share, np.array([today for today, _ in parts]))
+    second = sum(w * (c + np.outer(today - mean, today - mean)) for w, (today, c) in zip(share, parts, strict=True))
     sd = np.sqrt(np.diag(second))
     correlation = second / np.outer(sd, sd)
-    found = []
+    before, found = _without(judged[0], told), list[Constant]()
     for k, (name, (departure, _)) in enumerate(open_.items()):
         own = ranges[name]
         others = {other: float(correlation[k, j]) for j, other in enumerate(open_) if j != k}
-        sound, today = own.nominal + float(parts[0][0][k]), own.nominal + float(mean[k])
+        sound = float(np.clip(own.nominal + before[k], own.low, own.high))  # where the model has an answer
+        today = own.nominal + float(mean[k])
         found.append(Constant(name, own.unit, own.nominal + departure, sound, today, float(sd[k]), others))
     return tuple(found)
 
 
-def _of_one(judged: Judged) -> tuple[Floats, Floats, Floats]:
-    """Return mean (k,) without and with the changes of constants, and covariance (k, k), from the twin's values."""
+def _without(judged: Judged, told: Sequence[Parameter]) -> Floats:
+    """Return the mean (k,) without changes of constants, from the twin's values, by the effects' exact maps."""
+    model, candidates = judged.allowing, judged.model.inputs.candidates
+    sizes, left = {(one.effect, one.place): one.size for one in told}, model.residual
+    for j, size in zip(judged.fit.members, judged.fit.size, strict=True):
+        size = sizes.get((candidates[j].name, candidates[j].place), float(size))
+        is_mapped = candidates[j].forward is not None
+        left = left - (changed_rows(model, candidates[j], size) if is_mapped else model.signatures[:, j] * size)
+    departure, sd = np.array([*judged.model.inputs.open.values()]).T
+    rest = sd * (model.whiten(model.means.rows.constants).T @ model.whiten(left))
+    changed = {effect for effect, _ in sizes}  # from the drawing: there its map starts
+    return np.asarray(departure + rest * [name not in changed for name in judged.model.inputs.open])
+
+
+def _of_one(judged: Judged) -> tuple[Floats, Floats]:
+    """Return mean (k,) with the changes of constants, and covariance (k, k), from the twin's values."""
     model, fit, names = judged.allowing, judged.fit, list(judged.model.inputs.open)
     departure, sd = np.array([*judged.model.inputs.open.values()]).T
     columns, members = model.whiten(model.means.rows.constants), list(fit.members)
@@ -95,7 +111,7 @@ def _of_one(judged: Judged) -> tuple[Floats, Floats, Floats]:
     own = np.array([[float(candidates[j].name == name) for j in members] for name in names]).reshape(len(names), -1)
     moved = own - sd[:, None] * (columns.T @ signatures)
     spread = np.outer(sd, sd) * (np.eye(len(sd)) - columns.T @ columns)
-    return middle, middle + own @ fit.size, spread + moved @ fit.covariance @ moved.T
+    return middle + own @ fit.size, spread + moved @ fit.covariance @ moved.T
 
 
 def constants_words(constants: Sequence[Constant], share: float) -> list[str]:

@@ -166,14 +166,15 @@ class Diagnosis(InWords):
         parts = list(self.which[0].parameters if self.which else ())
         stays = {(c.name, c.place): c.effect for c in inputs.candidates if c.test in ("", inputs.last_test)}
         parts = [p for p in parts if (p.effect, p.place) in stays]
-        additions = [Addition(stays[p.effect, p.place], p.place, p.size) for p in parts]
-        additions.sort(key=lambda addition: in_chain(addition.effect))  # the structure first, the chain last
         level = self.posterior.model.level
         own, sound = twin.twin if isinstance(twin, CachedTwin) else twin, inputs.twin.twin
         if isinstance(own, FunctionTwin) and isinstance(sound, FunctionTwin):
             built = {name: one.nominal for name, one in sound.card.ranges.items()}
             built |= {one.name: one.sound for one in self.constants}
             own = own.at(built, sound.signature_error)
+            stays |= {(name, ""): own.effects[name] for name in sound.open if (name, "") in stays}
+        additions = [Addition(stays[p.effect, p.place], p.place, p.size) for p in parts]
+        additions.sort(key=lambda addition: in_chain(addition.effect))  # the structure first, the chain last
         difference = None if inputs.run is None else partial(whole_difference, inputs, level)
         return AugmentedTwin(own, tuple(additions), difference)
 
@@ -248,7 +249,7 @@ def diagnose(
         judged = with_identifiable(posterior.judged)
         which, closing, unknown_probability = _which(judged, posterior.unknown_probability)
         model, sizes = posterior.model, detectable(posterior.model)
-        constants = constants_of(judged)
+        constants = constants_of(judged, which[0].parameters if which else ())
         return Diagnosis(
             where=localise(model, flips(model, tree, feature_names) if tree is not None else ()),
             which=which,

@@ -115,7 +115,7 @@ def _exact(head: Judged, member: int, size: float) -> tuple[float, float]:
     moved = moved + model.signatures[:, [own.members[k] for k in others]] @ own.size[others]
     target, at = model.residual - moved, float(np.clip(model.chords.get(member, size), low, high))
     linear = slope = model.whiten(model.signatures[:, member])
-    left = model.whiten(target - _reads(model, candidate, at))
+    left = model.whiten(target - changed_rows(model, candidate, at))
     for k in range(STEPS):
         if (steep := float(np.linalg.norm(slope))) == 0.0:
             break
@@ -127,7 +127,7 @@ def _exact(head: Judged, member: int, size: float) -> tuple[float, float]:
         there = float(np.clip(at + step, low, high))
         if there == at:
             break
-        ahead = model.whiten(target - _reads(model, candidate, there))
+        ahead = model.whiten(target - changed_rows(model, candidate, there))
         slope = (left - ahead) / (there - at)
         if np.linalg.norm(ahead) < np.linalg.norm(left):
             at, left = there, ahead
@@ -135,7 +135,7 @@ def _exact(head: Judged, member: int, size: float) -> tuple[float, float]:
     return at, float(np.linalg.norm(linear)) / steep if linear.any() and steep > 0.0 else 1.0
 
 
-def _reads(model: LinearModel, candidate: Candidate, size: float) -> Floats:
+def changed_rows(model: LinearModel, candidate: Candidate, size: float) -> Floats:
     """Return what a candidate of a size changes in the rows of a model (n_rows,)."""
     return np.asarray(exact_change(model.inputs, model.states, candidate, size)[model.average, model.gauge])
 

@@ -22,6 +22,7 @@ from octmip.twin import (
     Twin,
     TwinAround,
     channels_of,
+    load_of,
     load_words,
     positions_of,
     predict_states,
@@ -97,8 +98,11 @@ class AugmentedTwin(TwinAround):
         places = getattr(self.twin, "gauge_positions", None)
         return None if places is None else np.asarray(places, dtype=np.float64)
 
-    def predict(self, state: State, load_factor: Load, time: float = 0.0) -> Floats:
+    def predict(self, state: State, load_factor: Load | Mapping[str, float], time: float = 0.0) -> Floats:
         """Return the readings (n_gauges,), effects included, `time` s from the start of the campaign."""
+        if isinstance(load_factor, Mapping) and not isinstance(load_factor, Loads):  # in the order of the twin
+            names = sorted(load_factor, key=lambda name: (*self.loads, name).index(name))
+            load_factor = load_of(tuple(names), tuple(load_factor[name] for name in names))
         strain = np.array(self.twin.predict(state, load_factor), dtype=np.float64)
         if self.difference is not None:
             strain = strain + self.difference(state, load_factor)

@@ -263,8 +263,27 @@ def test_a_stiffness_that_is_lost_or_gained_by_half_and_more_is_named_with_its_s
     (size,) = found.which[0].parameters
     assert size.low < k - 10.0 < size.high
     assert size.size == pytest.approx(k - 10.0, abs=0.3)
+    for load in loads:  # by name, as the function is asked
+        assert found.augmented(twin).predict({}, load) == pytest.approx(spring({"k": k}, load), abs=0.06)
     if not with_run:
         assert found.constants[0].interval[0] < k < found.constants[0].interval[1]
+
+
+@pytest.mark.parametrize(("c", "with_run"), [(2.0, True), (3.0, True), (3.5, True), (0.5, False), (1.5, False)])
+def test_a_change_whose_readings_saturate_is_named_alone_with_its_size(c, with_run):
+    def charging(p, loads):
+        charged = 1.0 / (1.0 + p["R"] * p["leak"])
+        v = 12.0 * charged * (1.0 - np.exp(-loads["t"] / (p["R"] * p["C"] * charged)))
+        return [v, (12.0 - v) / p["R"], v**2 * p["C"] / 2.0]
+
+    own = {"R": (10, 2, 50, "kohm"), "C": (1, 0.1, 4, "mF"), "leak": (0, 0, 0.1, "mS")}
+    twin = function_twin(charging, {"v": "V", "i": "mA", "e": "mJ"}, own, ("t",))
+    loads, sd = [{"t": t} for t in (1.0, 3.0, 6.0, 10.0, 20.0, 40.0)], np.array([0.02, 0.005, 0.3])
+    run = read(twin, loads, 2, sd) if with_run else None
+    found = diagnose(read(twin, loads, 1, sd, C=c), twin, commissioning=run)
+    assert found.which[0].effects == ("C",)
+    assert found.which[0].probability > 0.93
+    assert found.which[0].parameters[0].size == pytest.approx(c - 1.0, abs=0.1)
 
 
 def test_constants_that_one_reading_alone_shows_are_told_with_their_correlation():
@@ -329,3 +348,11 @@ def test_an_exact_effect_of_a_corrected_twin_knows_the_state():
     opens = SimpleEffect("opens", "-", 1.0, lambda u, size, load, place, state: u * (1.0 + size * state["crack"]))
     found = AugmentedTwin(cracked, (Addition(opens, "", 2.0),)).predict({"crack": 0.25}, 1.0)
     assert found.tolist() == [15.0]
+
+
+def test_a_correction_without_a_run_stays_within_the_ranges_of_the_card():
+    twin = function_twin(springs, READINGS, RANGES | {"k1": (10.0, 9.5, 14.0, "N/mm")}, ("force",))
+    found = diagnose(read(twin, under(), 1, k1=9.45), twin)
+    assert found.constants[0].sound == 9.5
+    expected = springs({"k1": 9.5, "k2": 12.0, "arm": 0.5}, {"force": 60.0})
+    assert found.augmented(twin).predict({}, 60.0) == pytest.approx(expected, 0.01)

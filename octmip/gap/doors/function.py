@@ -131,8 +131,9 @@ class FunctionTwin:
             name: replace(
                 parameter_effect(name, ranges[name], twin.ask, whose if name in values else MODEL),
                 signature_error=error,
-                slope=partial(_known, twin, slopes[name]) if name in slopes else None,
-                **self._from_drawing(twin, name),
+                **(
+                    {"slope": partial(_known, twin, slopes[name])} if name in slopes else self._from_drawing(twin, name)
+                ),
             )
             for name, effect in self.effects.items()
             if isinstance(getattr(effect, "apply", None), _Moved)
@@ -147,7 +148,7 @@ class FunctionTwin:
             return {}
         drawn, (departure, sd) = self.card.ranges[name], twin.open[name]
         moved = _FromDrawing(name, drawn.nominal, *twin.card.ranges[name].ahead(sd), departure / sd, twin.ask)
-        return {"apply": moved, "bounds": _bounds(drawn)}
+        return {"apply": moved, "bounds": _bounds(drawn), "slope": partial(_today, twin, name, sd)}
 
     def slopes(self, state: State, load: Applied, sds: Mapping[str, float]) -> Floats:
         """Return what a standard deviation of each of k parameters changes in the readings (k, n_readings)."""
@@ -298,6 +299,11 @@ class _FromDrawing:
 
 def _known(twin: FunctionTwin, slopes: Mapping[Setting, Floats], state: State, load: Applied) -> Floats | None:
     return slopes.get(twin.setting(state, load))
+
+
+def _today(twin: FunctionTwin, name: str, sd: float, state: State, load: Applied) -> Floats:
+    """Return the slope of a constant at its most likely value, where a change that is large has led it."""
+    return np.asarray(twin.slopes(state, load, {name: sd})[0] / sd)
 
 
 def _bounds(own: Range) -> tuple[float, float]:

@@ -20,11 +20,13 @@ from octmip.gap.inference.signatures import exact_change, ratios
 
 Floats = NDArray[np.float64]
 
-LAPS, N_ALONE, N_TOGETHER = 3, 3, 3
+LAPS, N_ALONE, N_TOGETHER = 5, 3, 3
 WIDE = 3.0
 """Prior sds within which a size is refitted."""
-CLOSE, SEEN = 0.1, 2.0
-"""Relative change of a size below which its chord stays; d' below which an effect is as good as linear."""
+CLOSE, NEAR = 0.04, 0.1
+"""Relative change of a size below which its chord stays: of effects that explain the readings together, of others."""
+SEEN, AHEAD = 2.0, 4.0
+"""d' below which an effect is as good as linear; steps that one by the last two chords takes at most."""
 
 
 def about(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel:
@@ -42,13 +44,15 @@ def at_own_sizes(model: LinearModel) -> LinearModel:
     ends: dict[int, tuple[float, float]] = {}
     ratio = ratios(model.inputs, model.states, expected_of(model.means, model.given))[model.average, model.gauge]
     for _ in range(LAPS):
-        wanted = {**_alone(model, forward), **_together(model), **_by_test(model)}
+        named = {**_together(model), **_by_test(model)}
+        wanted = _alone(model, forward) | named
         seen = {j: size for j, size in wanted.items() if forward[j] and abs(size) * np.sqrt(model.lengths[j]) > SEEN}
-        off = {j: size - chords.get(j, 0.0) for j, size in seen.items()}
-        at = {j: (chords.get(j, 0.0), off[j]) for j, size in seen.items() if abs(off[j]) > CLOSE * abs(size)}
+        at = {j: (chords.get(j, 0.0), size - chords.get(j, 0.0)) for j, size in seen.items()}
         new = {j: float(np.clip(_between(ends.get(j), *here), *prior.bounds[:, j])) for j, here in at.items()}
-        new = {j: size for j, size in new.items() if size and size != chords.get(j, 0.0)}
-        ends |= at
+        far = {j: max(abs(new[j] - chord), abs(off)) for j, (chord, off) in at.items()}
+        close = {j: (CLOSE if j in named else NEAR) * abs(size) for j, size in seen.items()}
+        new = {j: size for j, size in new.items() if far[j] > close[j] and size and size != at[j][0]}
+        ends |= {j: at[j] for j in new}
         if not new:
             break
         chords |= new
@@ -68,12 +72,14 @@ def at_own_sizes(model: LinearModel) -> LinearModel:
 def _between(before: tuple[float, float] | None, chord: float, off: float) -> float:
     """Return the size of the next chord, given by how much the size on the last one and the one before was off it.
 
-    Where a reading goes as 1 / (1 + size) the sizes on chords swing about the one that is met: it lies where the line
-    through the last two is 0. Elsewhere it is the size on the last chord.
+    Where a reading goes as 1 / (1 + size) the sizes on chords swing about the one that is met, where it saturates they
+    creep there: it lies where the line through the last two is 0, at most `AHEAD` times as far as the size on the last
+    chord. Without two, or where they lead away, it is that size.
     """
-    if before is None or before[1] * off >= 0.0:
+    if before is None or (before[1] * off >= 0.0 and abs(off) >= abs(before[1])):
         return chord + off
-    return chord + off * (chord - before[0]) / (before[1] - off)
+    step = off * (chord - before[0]) / (before[1] - off)
+    return chord + float(np.clip(step, -AHEAD * abs(off), AHEAD * abs(off)))
 
 
 def _alone(model: LinearModel, forward: NDArray[np.bool_]) -> dict[int, float]:
