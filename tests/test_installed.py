@@ -100,6 +100,7 @@ def test_the_installed_command_goes_from_a_table_to_predictions(installed_octmip
     assert [line.split(",")[-1] for line in predicted[1:]] == ["no", "no", "yes", "yes", "no", "no"]
 
 
+@pytest.mark.long
 def test_the_commands_and_programs_of_the_readme_run_in_an_empty_environment(
     installed_octmip: Installed, tmp_path: Path
 ) -> None:

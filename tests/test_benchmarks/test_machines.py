@@ -28,6 +28,7 @@ def test_three_machines_settle_constants_and_three_others_judge():
     assert [len(SETTLED), len(JUDGED)] == [3, 3]
 
 
+@pytest.mark.long
 def test_cases_are_sealed_clear_and_judged(tmp_path):
     said = run(tmp_path / "set", 3, 5, ["tanks"], ["diagnosis"])
     keys = json.loads((tmp_path / "set.keys.json").read_text())

@@ -59,6 +59,7 @@ def test_the_measured_frequencies_ask_for_a_mass_near_the_node_of_the_second_mod
     assert 0.25 < mass.size < 0.55
 
 
+@pytest.mark.long
 @needs_uav
 def test_a_mount_turns_the_tip_as_a_rigid_body_does(coarse):
     """A mass m hung at the span l turns the root by c m g l, and the tip falls by l times that.

@@ -33,6 +33,7 @@ def test_reduced_limits_are_those_of_the_full_wing_in_states_that_were_not_sampl
     np.testing.assert_array_equal(other.limits(STATES), capable.limits(STATES))
 
 
+@pytest.mark.long
 def test_every_corner_near_failing_in_a_sampled_state_is_kept(tiny, capable):
     shells, sound = tiny.structure.shells, tiny.structure.solve(np.zeros((1, 2)), tiny.lift)[0]
     strains = corner_strains(shells, sound)

@@ -190,6 +190,7 @@ def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPa
         branch_and_bound(hard(30, 2), options=ExactOptions(cluster=Cluster(client)))
 
 
+@pytest.mark.long
 def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("octmip.trees.methods.cluster.MOST_LOST", 1)
     cluster = Cluster(client)
