@@ -165,6 +165,7 @@ def test_a_picture_keeps_paper_of_its_own_on_a_dark_page(theme):
     assert "background: #ffffff" in rule
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["index", "examples/command", "theory/two-feature", "api/monitor"])
 def test_axe_core_finds_no_violation_in_the_text_of_a_page(browser, site, name):
     page = browser.new_page()
