@@ -22,6 +22,7 @@ TEXTS: dict[str, tuple[tuple[str, ...], tuple[tuple[object, ...], ...]]] = {
     "codes with zeros": (("01", "02", "x"), (("01", "02"), (1.0, 2.0))),
     "accents behind letters": (("Ba\u0308r", "Wal", "Hai"), (("B\u00e4r", "Wal"),)),
     "blanks at the ends": (("steel ", "wood", "brass"), (("steel", "wood   "),)),
+    "blanks of web pages at the ends": (("steel\u00a0", "wood", "brass"), (("steel", "wood\u00a0"),)),
 }
 """What a column holds in training, and what may stand for its first two values later."""
 OTHER = ("p", "q", "r")

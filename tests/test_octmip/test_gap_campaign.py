@@ -162,6 +162,10 @@ REFUSED = {
     "a state of 1": (text(with_cell(ROWS, 3, "mu2", "1")), ["row 4, column mu2", "expected a fraction"]),
     "a test of two states": (text(with_cell(ROWS, 3, "mu1", "0.3")), ["row 4, column mu1 is 0.3", "row 2", "'T0'"]),
     "a state given by halves": (text(with_cell(ROWS, 3, "mu1", "")), ["row 4, column mu1 is empty", "row 2"]),
+    "a row of statistics": (text(with_cell(ROWS, 18, "test", "Std. Dev.:")), ["row 19", "as a statistic of the rows"]),
+    "a row of a pivot table": (text(with_cell(ROWS, 18, "test", "Grand Total")), ["row 19", "delete the row"]),
+    "the greatest float64": (text(changed("g05", lambda k, cell: "1.797e308")), ["row 2, column g05", "empty"]),
+    "loads with their unit": (text(changed("load_factor", lambda k, cell: f"{cell} g")), ["load_factor [g]"]),
     "a row of units": (text([ROWS[0], ROWS[0].replace("g", "m"), *ROWS[1:]]), ["row 2, column"]),
 }
 

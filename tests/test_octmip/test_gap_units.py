@@ -33,7 +33,7 @@ NAMED = {
     ("km/h", "m/s"): constants.kmh, ("kn", "m/s"): constants.knot, ("mm/s", "m/s"): 1e-3, ("mm/s2", "m/s^2"): 1e-3,
     ("g", "m/s**2"): constants.g, ("mg", "g"): 1e-3, ("t", "kg"): 1e3, ("uV/V", "mV/V"): 1e-3, ("mV/V", "V/V"): 1e-3,
     ("Volts", "V"): 1, ("°", "deg"): 1, ("°/s", "deg/s"): 1, ("deg", "rad"): constants.degree,
-    ("deg/s", "rad/s"): constants.degree, ("%", "-"): 1e-2, ("pct", "%"): 1, ("1", "-"): 1,
+    ("deg/s", "rad/s"): constants.degree, ("%", "-"): 1e-2, ("pct", "%"): 1, ("‰", "um/m"): 1e3, ("1", "-"): 1,
     ("rpm", "1/min"): 1, ("1/min", "Hz"): 1 / 60, ("1/s", "Hz"): 1,
     ("N m", "Nm"): 1, ("N*m", "N·m"): 1, ("Nmm", "Nm"): 1e-3, ("kNm", "Nm"): 1e3, ("Ω", "Ohm"): 1, ("m/m", "strain"): 1,
     ("mm/m", "millistrain"): 1, ("nm/m", "um/m"): 1e-3, ("millistrain", "microstrain"): 1e3, ("ustrain", "µm/m"): 1,

@@ -120,7 +120,7 @@ def _without_blanks(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]
     for name in frame.columns:
         column = frame[name]
         texts = () if column.dtype.kind in "biuf" else column.dropna().unique()
-        bare = {text: text.strip(" ") for text in texts if isinstance(text, str) and text != text.strip(" ")}
+        bare = {text: text.strip() for text in texts if isinstance(text, str) and text != text.strip()}
         if bare:
             words = {text: None if word in NO_NUMBERS else word for text, word in bare.items()}
             frame = frame.assign(**{name: [words.get(cell, cell) for cell in column]})

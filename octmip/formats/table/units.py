@@ -55,7 +55,7 @@ _QUANTITIES = {
     "power": {"W": 1.0, "mW": 1e-3, "kW": 1e3},
     "angle": {"rad": 1.0, "mrad": 1e-3, "deg": 0.017453292519943295, "°": 0.017453292519943295},
     "rate of turn": {"rad/s": 1.0, "deg/s": 0.017453292519943295, "°/s": 0.017453292519943295},
-    "share": {"-": 1.0, "1": 1.0, "%": 1e-2, "pct": 1e-2},
+    "share": {"-": 1.0, "1": 1.0, "%": 1e-2, "pct": 1e-2, "‰": 1e-3},
     "temperature in degrees Celsius": dict.fromkeys(("degC", "deg C", "°C", "C", "Deg C", "celsius"), 1.0),
     "temperature in kelvin": {"K": 1.0, "kelvin": 1.0},
     "temperature in degrees Fahrenheit": dict.fromkeys(("degF", "°F", "deg F", "F"), 1.0),
@@ -130,7 +130,7 @@ def factor_between(given: str, wanted: str) -> float | None:
     if one == other:
         return 1.0
     (a, size), (b, wanted_size) = _UNITS.get(one, ("", 0.0)), _UNITS.get(other, (" ", 1.0))
-    if {a, b} == {"strain", "share"} and "%" in (one, other):  # 0.1 % of strain is 1000 microstrain
+    if {a, b} == {"strain", "share"} and {"%", "‰"} & {one, other}:  # 0.1 % of strain is 1000 microstrain
         b = a
     return size / wanted_size if a == b else _by_pint(one, other)
 

@@ -18,7 +18,7 @@ from octmip.formats.columns.spellings import DAYS
 from octmip.formats.columns.times import days_in, instants_of, time_form_of, time_forms_of
 from octmip.formats.columns.written import DIGITS, form_of, read_texts, words_of
 from octmip.formats.table import Table, read_table
-from octmip.formats.table.units import factor_between, unit_behind
+from octmip.formats.table.units import factor_between, is_unit, unit_behind
 from octmip.input.cells import is_missing_word, plain_number
 from octmip.input.files import PathLike
 from octmip.input.messages import several, shown
@@ -30,6 +30,8 @@ OWN = {TEST: (TEST,), TIME: (TIME, "timestamp", "datetime", "zeit", "uhrzeit"), 
 DAY_NAMES = ("date", "day", "datum")
 """Names of a column with the day of a time of day."""
 SECONDS = 86_400
+GREATEST = 1e300
+"""Sums of greater numbers overflow; some loggers write the greatest float64 where they have none."""
 FINER = {"nanoseconds": (1e17, "ns"), "microseconds": (1e14, "us"), "milliseconds": (1e11, "ms")}
 """What times since 1970 may count that are greater than a number; below 1e11 are seconds up to the year 5138."""
 SERIAL = ((2e4, 8e4), (7.1e5, 7.7e5))
@@ -105,7 +107,7 @@ class CampaignColumns:
                 if grouped is not None
                 else np.array([self._number(text, row, name, words) for row, text in enumerate(self.texts(name))])
             )
-        infinite = np.flatnonzero(np.isinf(values))
+        infinite = np.flatnonzero(np.abs(values) > GREATEST)
         if infinite.size:
             raise DataError(
                 f"row {self.numbers[infinite[0]]}, column {name} is {values[infinite[0]]}; expected a finite number; "
@@ -144,6 +146,8 @@ class CampaignColumns:
             cure = "clear the cell if nothing is known"
             if re.fullmatch(r"[-+]?\d[\d., '\u00a0\u202f]*", text):
                 cure = "write decimal points and no thousands separators"
+            elif (found := re.fullmatch(r"[-+]?[\d.,]+\s*(\D+)", text)) and is_unit(found[1]):
+                cure = f"write the number alone, and its unit behind the name of the column: {name} [{found[1]}]"
             elif row == 0:
                 cure = "begin the row with # if it holds no readings, but remarks"
             raise DataError(

@@ -6,6 +6,7 @@ gauge under the twin's name. Any table is read as `octmip.formats.table` reads i
 editor shows. How names, units and times are understood stands in `octmip.gap.campaign.columns`.
 """
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -23,10 +24,12 @@ from octmip.input.messages import shown
 from octmip.twin import Twin, loads_of, sign_of, state_parameters, units_of
 
 STATISTICS = frozenset(
-    {"average", "avg", "mean", "median", "min", "minimum", "max", "maximum", "std", "stdev", "std dev", "sd", "rms"}
-    | {"variance", "sum", "total", "count", "mittelwert", "moyenne"}
+    {"average", "avg", "mean", "median", "min", "minimum", "max", "maximum", "std", "stdev", "stdevs", "stdevp"}
+    | {"stddev", "standarddeviation", "sd", "rms", "variance", "sum", "total", "subtotal", "grandtotal", "count"}
+    | {"mittelwert", "standardabweichung", "stabw", "summe", "gesamtergebnis", "teilergebnis", "anzahl"}
+    | {"moyenne", "écarttype", "médiane", "somme", "totalgénéral", "promedio", "totalgeneral"}
 )
-"""What spreadsheets and loggers call a last row that is no reading."""
+"""What spreadsheets and loggers call a row that is no reading, without marks and blanks."""
 HOTTEST = 150.0
 """Temperatures beyond this [deg C] are kelvin or Fahrenheit."""
 MOST_LOAD = 1e9
@@ -123,7 +126,7 @@ def _tests(table: CampaignColumns) -> tuple[str, ...]:
                 f"row {table.numbers[k]}, column test is empty; give every reading the name of its test, or begin the "
                 "row with # if it holds no readings, but units or remarks"
             )
-        if name.lower().strip(" :.") in STATISTICS:
+        if re.sub(r"[\W_]", "", name.lower()) in STATISTICS:
             raise DataError(
                 f"row {table.numbers[k]}, column test is {shown(name)}, as a statistic of the rows above is called; "
                 "expected the name of a test; delete the row, or give the test another name"
