@@ -20,6 +20,8 @@ PROBLEM = Problem(
 )
 STYLES = {0: "raw", 1: "pretty", 2: "GLPK's raw", 3: "GLPK's pretty", 4: "sparse"}
 """HiGHS's styles of a solution file."""
+PYOMO = str.maketrans("[],", "()_")
+"""How Pyomo spells names in files."""
 Made = tuple[Path, float]
 
 
@@ -52,7 +54,7 @@ def _kept(method: str, file: str, line: str, folder: Path) -> Made:
     made = _model(method)
     given = zip(made.formulation.rows.column_names(), made.start() if made.start() is not None else [], strict=True)
     lines = [
-        line.format(j=j, name=name.replace("[", "(").replace("]", ")"), value=value)
+        line.format(j=j, name=name.replace("[", "(").replace("]", ")"), value=value, pyomo=name.translate(PYOMO))
         for j, (name, value) in enumerate(given)
         if value
     ]
@@ -86,6 +88,9 @@ KEPT: dict[str, tuple[str, str, object]] = {
     "GLPK 5.0": ("s mip 2 2 o 3\n{}\n", "j {j} {value:g}", Refused(("raw format",))),
     "Gurobi 12": ("# Objective value = 3\n{}\n# Objective value = 5\n", "{name} {value:g}", (3.0, 0.0)),
     "a solver that diverged": ("{}\n", "{name} nan", Refused(("the value nan", "expected finite numbers"))),
+    "Xpress 9": ("{}\n", '"{name}","C",{value:g},0', (3.0, 0.0)),
+    "Gurobi 12, JSON": ('{{"Vars":[{}]}}', '{{"VarName":"{name}","X":{value:g}}},', (3.0, 0.0)),
+    "Pyomo 6.10": ("{}\n", "{pyomo} {value:g}", Refused(("as Pyomo does", "octmip.solution_of"))),
     "CPLEX 22": ("<variables>{}</variables>", '<variable name="{name}" index="{j}" value="{value:g}"/>', (3.0, 0.0)),
 }
 """The form of a file, that of its lines, and the answer."""

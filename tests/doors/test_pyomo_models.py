@@ -78,7 +78,7 @@ def test_a_solver_that_calls_a_model_with_a_known_tree_infeasible_is_told_so():
         octmip.solution_of(model, results)
 
 
-@pytest.mark.parametrize("kind", ["disjunction", "bound"])
+@pytest.mark.parametrize("kind", ["disjunction", "bound", "a letter of the model"])
 def test_what_cannot_be_evaluated_is_refused(kind):
     from pyomo.gdp import Disjunction
 
@@ -86,7 +86,9 @@ def test_what_cannot_be_evaluated_is_refused(kind):
     results = pyo.SolverFactory("appsi_highs").solve(model)
     if kind == "disjunction":
         model.either = Disjunction(expr=[[model.a[0, 1] == 1], [model.a[1, 1] == 1]])
-    with pytest.raises(ProblemError, match=r"a Disjunct|expected a number"):
+    if kind.startswith("a letter"):
+        model.c = pyo.Constraint(expr=model.a[0, 1] == 1)
+    with pytest.raises(ProblemError, match=r"a Disjunct|expected a number|\(without a Var: c\)"):
         octmip.solution_of(model, results, bound=float("nan") if kind == "bound" else None)
 
 

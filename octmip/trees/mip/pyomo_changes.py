@@ -179,7 +179,7 @@ def _from_whole(value: float) -> float:
 
 def _held(variable: Any, how: str) -> Added:
     """Return a variable that a solver could not change as what it forbids: other values."""
-    at = float(variable.value)
+    at = float(variable.value) + 0.0  # no -0
     return Added(
         f"{variable.name} {how} at {at:g}", lambda value_of: _excess(value_of(variable), at, at) / MOST_VIOLATION
     )

@@ -209,10 +209,11 @@ def _variables(model: Any, rows: Rows) -> list[Any]:
     components = [model.component(letter) for letter in rows.families]
     found = [variable for component in components if isinstance(component, pyo.Var) for variable in component.values()]
     if len(found) != rows.n_columns:
-        letters = ", ".join(rows.families)
+        gone = [own for own, one in zip(rows.families, components, strict=True) if not isinstance(one, pyo.Var)]
         raise ProblemError(
-            f"the model has {len(found)} variables {letters}; expected {rows.n_columns}; make the model again, and fix "
-            "variables in place of taking them away"
+            f"the model has {len(found)} variables {', '.join(rows.families)}; expected {rows.n_columns}"
+            f"{f' (without a Var: {named(tuple(gone))})' * bool(gone)}; make the model again, give what is added other "
+            "names, and fix variables in place of taking them away"
         )
     return found
 

@@ -35,7 +35,8 @@ CONSTANT = "constant"
 """Column of value 1 whose cost is the constant of the objective: not every solver reads a number there."""
 TITLE = re.compile(r"octmip model (\w+), problem (\w+)")
 """What `title_of` makes."""
-WORD = re.compile(r'[^\s"<>=]+')
+WORD = re.compile(r'\w+\([^()\s]*\)|[^\s"<>=,:{}]+')
+"""A column's name, whose indices stand between commas, or what blanks, commas and marks of XML and JSON part."""
 NEAR = 6
 """Words behind a column's name among which its value stands."""
 BY_NUMBER = re.compile(r"^s (bas|ipt|mip) ", re.MULTILINE)
@@ -114,6 +115,12 @@ def read_values(rows: Rows, path: PathLike) -> NDArray[np.float64]:
     words, found = WORD.findall(_plain_lines(text)), dict[int, float]()
     for at, word in enumerate(words):
         letter, bracket, _ = word.partition("(")
+        if word.replace("_", ",") in column and word not in column:
+            raise DataError(
+                f"solution {path} names the column {shown(word)} as Pyomo does, whose model may have rows of the "
+                "user's; expected that of a model that octmip wrote; set the values in the Pyomo model, and give it to "
+                "octmip.solution_of"
+            )
         if bracket and letter in rows.families and word not in column:
             raise DataError(
                 f"solution {path} names the column {shown(word)}, which the model lacks; expected those up to "
