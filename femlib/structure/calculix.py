@@ -26,8 +26,8 @@ LAYERS = {8: (4, np.sqrt(1.0 / 3.0)), 9: (3, np.sqrt(0.6))}
 outer layers over half the thickness."""
 OWN_NAMES = re.compile(r"ALL|CORNERS|PRINTED|(E|BEAM|MASS|SPRING)\d+", re.IGNORECASE)
 """Names of the deck's own sets."""
-SET_NAME = re.compile(r"[A-Za-z][^\s,=*\"]{0,79}")
-"""A name that CalculiX takes, in capitals or not."""
+SET_NAME = re.compile(r"[A-Za-z][!#-)+\-./0-9:;<>-~]{0,79}")
+"""A name that CalculiX takes, in capitals or not: ASCII without blanks, commas, quotes, stars and equals signs."""
 
 
 def write_deck(
