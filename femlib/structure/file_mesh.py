@@ -30,6 +30,8 @@ class FileMesh:
         How many of what the file has beside them, by its name, such as "CONM2 (masses)"; what changes the structure.
     without_set : dict
         Why an array of the file names no set, by its name.
+    metres : float
+        In the file's unit of length, where it says one.
     """
 
     points: FloatArray
@@ -38,6 +40,7 @@ class FileMesh:
     node_sets: dict[str, IntArray]
     left_out: dict[str, int] = field(default_factory=dict)
     without_set: dict[str, str] = field(default_factory=dict)
+    metres: float = 1.0
 
 
 def value_sets(label: str, values: FloatArray | IntArray, told: dict[str, str]) -> dict[str, BoolArray]:

@@ -110,6 +110,7 @@ def read(
         raise InputError(f"unit is {unit!r}; expected one of {list(UNITS)}; correct it")
     name = str(mesh) if isinstance(mesh, str | Path) else "the mesh"
     file = _read_file(Path(mesh)) if isinstance(mesh, str | Path) else _of_meshio(mesh)
+    _check_unit(file, name, unit)
     blocks = [_block(*block, name, corners_only) for block in file.blocks]
     found = _ordered(file, _points(file.points, name, UNITS[unit]), blocks)
     if not found.n_elements:
@@ -121,6 +122,15 @@ def read(
         told = f"{name}: left out of the mesh: {_listed(file.left_out)}; give to Structure what of it counts"
         warnings.warn(told, LeftOutWarning, stacklevel=2)
     return _without_lone_nodes(found) if drop_lone_nodes or corners_only else _checked_nodes(found, name)
+
+
+def _check_unit(file: FileMesh, name: str, unit: str) -> None:
+    """Refuse another unit than a file says; metres are what Salome says of every mesh."""
+    if file.metres != 1.0 and abs(UNITS[unit] / file.metres - 1.0) > 1e-6:
+        own = next((f"unit={own!r}" for own, size in UNITS.items() if abs(size / file.metres - 1.0) < 1e-6), "metres")
+        raise InputError(
+            f"{name} says that its lengths are in {file.metres:.6g} m, but unit is {unit!r}; expected {own}; give it"
+        )
 
 
 def _listed(left_out: Mapping[str, int]) -> str:

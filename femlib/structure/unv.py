@@ -1,7 +1,7 @@
 """The mesh of a universal file (.unv) of I-DEAS, NX, Salome or gmsh: nodes, shells, lines, groups.
 
-Datasets stand between lines of -1. Read are nodes (781, 2411), elements (2412) and groups (2435, 2452, 2467, 2477), all
-of numbers apart by spaces. Source: Structural Dynamics Research Corporation (1994).
+Datasets stand between lines of -1. Read are the unit of length (164), nodes (781, 2411), elements (2412) and groups
+(2435, 2452, 2467, 2477), all of numbers apart by spaces. Source: Structural Dynamics Research Corporation (1994).
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,6 +16,7 @@ from femlib.files import read_bytes
 from femlib.structure.file_mesh import FileMesh, masks, wrong_kind
 
 NODES, ELEMENTS, GROUPS, OLD_ELEMENTS = ("781", "2411"), ("2412",), ("2435", "2452", "2467", "2477"), ("71", "780")
+UNITS = "164"
 KINDS = {
     **dict.fromkeys(("11", "21", "22"), "line"),
     **dict.fromkeys(("23", "24"), "line3"),
@@ -48,7 +49,7 @@ def read_universal(path: Path) -> FileMesh:
         If a line is none of its dataset's, or an element names a node that is not there.
     """
     nodes, groups = dict[int, list[float]](), dict[str, list[tuple[int, int]]]()
-    elements, left_out = dict[int, tuple[str, list[int]]](), dict[str, int]()
+    elements, left_out, per_metre = dict[int, tuple[str, list[int]]](), dict[str, int](), 1.0
     for dataset, first, lines in _datasets(path):
         try:
             if dataset in NODES:
@@ -57,6 +58,8 @@ def read_universal(path: Path) -> FileMesh:
                 _take_elements(lines, elements, left_out)
             elif dataset in GROUPS:
                 _take_groups(lines, groups)
+            elif dataset == UNITS:
+                per_metre = fortran_number(lines[1].split()[0]) or 1.0
         except (ValueError, IndexError, StopIteration, RuntimeError) as error:
             raise InputError(
                 f"{path} could not be read as unv (dataset {dataset} behind line {first}: {str(error)[:100]}); "
@@ -89,6 +92,7 @@ def read_universal(path: Path) -> FileMesh:
         dict(masks({name: own for name, own in members.items() if own}, len(numbers))),
         {name: np.array(own, dtype=np.int64) for name, own in alone.items() if own and not members[name]},
         left_out,
+        metres=1.0 / per_metre,
     )
 
 

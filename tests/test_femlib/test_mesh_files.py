@@ -54,6 +54,14 @@ $Elements
 5 2 6 3
 $EndElements
 """
+MILLIMETRES = """    -1
+   164
+         5mm (milli newton)             2
+   1.00000000000000000D+03   1.00000000000000000D+03   1.00000000000000000D+00
+   2.73149999999999977D+02
+    -1
+"""
+"""Units of a universal file."""
 
 
 def write_med(path, source):
@@ -77,8 +85,9 @@ def test_the_names_of_groups_are_kept(form, tmp_path):
         pytest.importorskip("h5py")
         write_med(path, tmp_path / "plate.msh")
     if "unv" in form:
-        path.write_text(unv(form != "unv"))
-    found = read(path, corners_only=form == "quadratic unv")
+        path.write_text(MILLIMETRES * (form == "unv") + unv(form != "unv"))
+    found = read(path, unit="mm" if form == "unv" else "m", corners_only=form == "quadratic unv")
+    assert found.nodes.max() == (0.002 if form == "unv" else 2.0)
     assert found.quads.tolist() == [[0, 1, 2, 3]]
     assert found.trias.tolist() == [[1, 4, 5], [1, 5, 2]]
     assert (len(found.quads), len(found.trias), len(found.lines)) == (1, 2, 1)
@@ -140,6 +149,7 @@ LEFT, Right
         ("plate.inp", DECK.replace("7, 20, 50, 60, 30", "7, 20, 50, 60, 30, 40"), "element 7 has 5 nodes, expected 4"),
         ("plate.inp", DECK.replace("10, 40, 30", "10, 9000000000000000000, 30"), "as abaqus"),
         ("plate.bdf", "CEND\nBEGIN BULK\n$ nothing\n", "has no node"),
+        ("plate.unv", MILLIMETRES + unv(), r"in 0\.001 m, but unit is 'm'; expected unit='mm'"),
         ("plate.unv", unv()[:-200], "expected two about each dataset; was it cut"),
         ("plate.unv", unv().replace("         6         3\n", "         6        33\n"), "the node 33, which the file"),
         (
