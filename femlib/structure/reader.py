@@ -34,6 +34,7 @@ from femlib.files import limited_memory, read_bytes
 from femlib.kept import ReadOnly
 from femlib.structure.abaqus import read_deck
 from femlib.structure.file_mesh import FileMesh, value_sets, wrong_kind
+from femlib.structure.gmsh_groups import add_groups
 from femlib.structure.named_mesh import NamedMesh
 from femlib.structure.nastran import read_bulk
 from femlib.structure.unv import read_universal
@@ -170,6 +171,8 @@ def _read_by_meshio(path: Path, kind: str, reader: Any) -> FileMesh:
     try:
         with contextlib.redirect_stderr(said), limited_memory(ROOM + ROOM_PER_BYTE * len(content)):
             mesh = reader.read(str(path))
+            if kind == "gmsh":
+                add_groups(mesh, content)
     except Exception as error:  # a reader fails in any way at what is not its format
         old = OLD_GMSH.match(content) if kind == "gmsh" else None
         if old:

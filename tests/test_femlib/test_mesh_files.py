@@ -1,5 +1,7 @@
 """Meshes from files: the same plate through every format, with the names that the format keeps."""
 
+import re
+
 import meshio
 import numpy as np
 import pytest
@@ -94,6 +96,27 @@ def test_the_names_of_groups_are_kept(form, tmp_path):
     assert found.elements_of("skin").tolist() == [True, True, True, False]
     assert found.nodes_of("edge").tolist() == [0, 3]
     assert found.nodes_of("corner").tolist() == [0]
+
+
+GROUPS = {
+    "a surface that its group turns": ("1 -2 0", True, {"edge": 1, "skin": 3}, [[5, 4, 1], [2, 5, 1]]),
+    "no names, a surface in two": (
+        "2 2 7 0",
+        False,
+        {"physical:1": 1, "physical:2": 3, "physical:7": 2},
+        [[1, 4, 5], [1, 5, 2]],
+    ),
+}
+
+
+@pytest.mark.parametrize("case", GROUPS)
+def test_groups_of_gmsh_are_whole_without_names_and_with_turned_surfaces(case, tmp_path):
+    entity, has_names, sets, trias = GROUPS[case]
+    text = GMSH.replace("2 1 0 1 2 0\n$End", f"2 1 0 {entity}\n$End")
+    (tmp_path / "plate.msh").write_text(text if has_names else re.sub(r"\$Phys(.|\n)*\$EndPhys.*\n", "", text))
+    found = read(tmp_path / "plate.msh")
+    assert {name: int(own.sum()) for name, own in found.element_sets.items()} == sets
+    assert found.trias.tolist() == trias
 
 
 @pytest.mark.parametrize(
