@@ -197,10 +197,13 @@ class Deck:
         if card.options.get("SYSTEM", "R").upper() != "R":
             raise InputError(f"{self.path} has nodes in cylindrical or spherical axes; expected x, y, z; write them so")
         for row in card.rows:
-            place = [fortran_number(word) if word else 0.0 for word in (*row[1:4], "", "", "")[:3]]
+            number = int(row[0])
+            place = tuple(fortran_number(word) if word else 0.0 for word in (*row[1:4], "", "", "")[:3])
             if any(abs(value) > FARTHEST for value in place):
                 raise ValueError(f"{max(place, key=abs)} is no coordinate")
-            self.own.nodes[int(row[0])] = tuple(place)
+            if self.own.nodes.setdefault(number, place) != place:
+                self._say("*NODE (places of nodes that are given again)")
+                self.own.nodes[number] = place
         self._add("NSET", card.options.get("NSET"), [int(row[0]) for row in card.rows])
 
     def _nodes_between(self, card: Card) -> None:

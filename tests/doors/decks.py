@@ -173,6 +173,8 @@ ABAQUS: dict[str, tuple[str, dict[str, int], str]] = {
     "nodes between nodes, elements again": (
         "*NODE\n11,0,2\n13,2,2\n*NGEN\n11,13\n*ELEMENT,TYPE=S4R\n7,4,5,12,11\n"
         "*ELGEN,ELSET=UP\n7,2,1,1\n", {"UP": 2}, ""),
+    "a node at two places, one twice at one": ("*NODE\n1,0\n9,5,5\n9,6,6\n", {},
+                                                "1 *NODE (places of nodes that are given again)"),
     "an offset": ("*SHELL SECTION,ELSET=SKIN,MATERIAL=M,OFFSET=SPOS\n.002\n", {},
                   "1 OFFSET of *SHELL SECTION (elements beside their nodes)"),
     "constraints, loads, supports": ("*RIGID BODY,NSET=X\n*CLOAD\n1,1,1.\n*BOUNDARY\n2,1,6\n*RELEASE\n1,S1\n", {},
