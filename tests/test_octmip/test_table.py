@@ -35,6 +35,7 @@ def test_numbers_are_read_to_the_last_bit(tmp_path):
         ("t\tforce\tComment\n0\t5\n1\t6\n", {"t": [0, 1], "force": [5, 6]}, ""),
         ("x,y\n1,2\n3,4\ny,x\n6,5\n", {"x": [1, 3, 5], "y": [2, 4, 6]}, "another order below line 4"),
         ("note,see,below\nnote,see,beside\nnote,or,ask\nx,y\n1,a\n2,b\n3,c\n", {"x": [1, 2, 3], "y": [*"abc"]}, ""),
+        ("y\n1.1\n1.2\n1.10\n", {"y": [1.1, 1.2, 1.1]}, "1.1 and 1.10 in column 'y' are one number"),
     ],
 )
 def test_comments_above_and_beside_and_another_order_of_columns_are_read(tmp_path, text, columns, told):

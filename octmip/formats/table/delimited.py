@@ -3,6 +3,7 @@
 import csv
 import io
 import itertools
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -37,6 +38,12 @@ NO_NUMBERS = (
 """No class is called so; other words, such as NA, are missing among numbers alone (`octmip.input.cells`)."""
 COUNTED = "Unnamed: 0"
 """Name of the column in which pandas read the names of the rows that it had written."""
+PADDED = re.compile(r"[+-]?\d+[.,]\d*[1-9]0+")
+"""A number with zeros at its end, as 1.10 beside 1.1: they may be codes of two things."""
+MOST_CODES = 100
+"""Different numbers of a column that may be codes."""
+MOST_WRITTEN = 20_000
+"""Rows of a table whose codes are looked at: its cells are read twice for it."""
 FEW = 4
 """Rows whose first cells may count 1, 2, ... by chance."""
 
@@ -74,9 +81,10 @@ def read_delimited(
         ) from error
     if not isinstance(frame.index, pd.RangeIndex) or (len(frame) and frame.iloc[:, -1].isna().any()):
         _refuse_ragged(source, layout, is_refused=False)  # pandas fills a row that is too short
+    codes = _codes(frame, cells)
     frame, told = _named(source, frame, layout, keeps_names)
     frame, padded = _without_blanks(frame)
-    return frame, layout, (*notes, *layout.notes, *told, *padded)
+    return frame, layout, (*notes, *layout.notes, *told, *padded, *codes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +120,21 @@ def _with_whole_numbers(frame: pd.DataFrame, cells: _Cells) -> pd.DataFrame:
         return frame
     texts = cells.read(dict.fromkeys(large, str), large)
     return frame.assign(**{name: texts[name] for name in large if texts[name].map(is_beyond).any()})
+
+
+def _codes(frame: pd.DataFrame, cells: _Cells) -> tuple[str, ...]:
+    """Return a sentence on each column in which two texts are one number, and may be codes of two things."""
+    floats = [k for k in cells.names if not k.startswith("\0") and frame[k].dtype.kind == "f"]
+    few = [k for k in floats if 0 < frame[k].nunique() <= MOST_CODES] if len(frame) <= MOST_WRITTEN else []
+    texts = cells.read(dict.fromkeys(few, object), few) if few else frame[few]
+    told = []
+    for name in few:
+        found = set(texts[name].dropna())
+        padded = sorted(text for text in found if PADDED.fullmatch(text) and text.rstrip("0") in found)
+        if padded:
+            pair = f"{padded[0].rstrip('0')} and {padded[0]} in column {name!r}"
+            told.append(f"{pair} are one number; where they are codes of two things, write words")
+    return tuple(told)
 
 
 def _without_blanks(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
