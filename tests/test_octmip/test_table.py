@@ -36,6 +36,7 @@ def test_numbers_are_read_to_the_last_bit(tmp_path):
         ("x,y\n1,2\n3,4\ny,x\n6,5\n", {"x": [1, 3, 5], "y": [2, 4, 6]}, "another order below line 4"),
         ("note,see,below\nnote,see,beside\nnote,or,ask\nx,y\n1,a\n2,b\n3,c\n", {"x": [1, 2, 3], "y": [*"abc"]}, ""),
         ("y\n1.1\n1.2\n1.10\n", {"y": [1.1, 1.2, 1.1]}, "1.1 and 1.10 in column 'y' are one number"),
+        ("y;z\n500;0.5\n3.000;1.000\n", {"y": [500, 3], "z": [0.5, 1]}, "3.000 in column 'y' has decimals"),
     ],
 )
 def test_comments_above_and_beside_and_another_order_of_columns_are_read(tmp_path, text, columns, told):

@@ -40,6 +40,8 @@ COUNTED = "Unnamed: 0"
 """Name of the column in which pandas read the names of the rows that it had written."""
 PADDED = re.compile(r"[+-]?\d+[.,]\d*[1-9]0+")
 """A number with zeros at its end, as 1.10 beside 1.1: they may be codes of two things."""
+GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
+"""A number whose mark may group digits, where all with a mark are so beside whole ones without: 3.000 beside 500."""
 MOST_CODES = 100
 """Different numbers of a column that may be codes."""
 MOST_WRITTEN = 20_000
@@ -123,7 +125,7 @@ def _with_whole_numbers(frame: pd.DataFrame, cells: _Cells) -> pd.DataFrame:
 
 
 def _codes(frame: pd.DataFrame, cells: _Cells) -> tuple[str, ...]:
-    """Return a sentence on each column in which two texts are one number, and may be codes of two things."""
+    """Return a sentence on each column in which two texts are one number, or whose mark may group digits."""
     floats = [k for k in cells.names if not k.startswith("\0") and frame[k].dtype.kind == "f"]
     few = [k for k in floats if 0 < frame[k].nunique() <= MOST_CODES] if len(frame) <= MOST_WRITTEN else []
     texts = cells.read(dict.fromkeys(few, object), few) if few else frame[few]
@@ -134,6 +136,9 @@ def _codes(frame: pd.DataFrame, cells: _Cells) -> tuple[str, ...]:
         if padded:
             pair = f"{padded[0].rstrip('0')} and {padded[0]} in column {name!r}"
             told.append(f"{pair} are one number; where they are codes of two things, write words")
+        marked = sorted(text for text in found if not text.lstrip("+-").isdigit())
+        if 0 < len(marked) < len(found) and all(map(GROUPED.fullmatch, marked)):
+            told.append(f"{marked[0]} in column {name!r} has decimals; where its mark groups digits, leave it out")
     return tuple(told)
 
 
