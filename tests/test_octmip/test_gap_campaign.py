@@ -131,7 +131,7 @@ def load(factor):
 
 
 REFUSED = {
-    "a missing load factor": (text(with_cell(ROWS, 3, "load_factor", "")), ["row 4", "load_factor"]),
+    "a missing load factor": (text(with_cell(ROWS, 3, "load_factor", "")), ["row 4", "load_factor", "with #"]),
     "text in a number": (text(with_cell(ROWS, 2, "g05", "broken")), ["row 3", "g05", "broken"]),
     "an infinite reading": (text(with_cell(ROWS, 2, "g05", "inf")), ["row 3", "g05"]),
     "a state in per cent": (text(with_cell(ROWS, 5, "mu1", "20")), ["row 6", "mu1", "0.2 for 20 %"]),
@@ -165,6 +165,10 @@ REFUSED = {
     "a row of statistics": (text(with_cell(ROWS, 18, "test", "Std. Dev.:")), ["row 19", "as a statistic of the rows"]),
     "a row of a pivot table": (text(with_cell(ROWS, 18, "test", "Grand Total")), ["row 19", "delete the row"]),
     "the greatest float64": (text(changed("g05", lambda k, cell: "1.797e308")), ["row 2, column g05", "empty"]),
+    "a mark of overload beside decimal commas": (
+        text(with_cell(ROWS, 9, "g05", ">>>>")).replace(",", ";").replace(".", ","),
+        ["row 10, column g05 is '>>>>'", "clear the cell"],
+    ),
     "loads with their unit": (text(changed("load_factor", lambda k, cell: f"{cell} g")), ["load_factor [g]"]),
     "a row of units": (text([ROWS[0], ROWS[0].replace("g", "m"), *ROWS[1:]]), ["row 2, column"]),
 }

@@ -30,8 +30,9 @@ OWN = {TEST: (TEST,), TIME: (TIME, "timestamp", "datetime", "zeit", "uhrzeit"), 
 DAY_NAMES = ("date", "day", "datum")
 """Names of a column with the day of a time of day."""
 SECONDS = 86_400
+NUMBER_LIKE = re.compile(r"[-+]?\d[\d., '\u00a0\u202f]*")
 GREATEST = 1e300
-"""Sums of greater numbers overflow; some loggers write the greatest float64 where they have none."""
+"""Sums of greater readings overflow; some loggers write the greatest float64 where they have none."""
 FINER = {"nanoseconds": (1e17, "ns"), "microseconds": (1e14, "us"), "milliseconds": (1e11, "ms")}
 """What times since 1970 may count that are greater than a number; below 1e11 are seconds up to the year 5138."""
 SERIAL = ((2e4, 8e4), (7.1e5, 7.7e5))
@@ -102,12 +103,8 @@ class CampaignColumns:
             values = column.to_numpy(dtype=np.float64, na_value=np.nan)
         else:
             grouped = self._grouped(name, words)
-            values = (
-                grouped
-                if grouped is not None
-                else np.array([self._number(text, row, name, words) for row, text in enumerate(self.texts(name))])
-            )
-        infinite = np.flatnonzero(np.abs(values) > GREATEST)
+            values = grouped if grouped is not None else self._plain(name, words)
+        infinite = np.flatnonzero(np.isinf(values) | (words & (np.abs(values) > GREATEST)))
         if infinite.size:
             raise DataError(
                 f"row {self.numbers[infinite[0]]}, column {name} is {values[infinite[0]]}; expected a finite number; "
@@ -138,22 +135,25 @@ class CampaignColumns:
             raise DataError(f"{self.table.name}: column {name} {error}") from error
         return values
 
-    def _number(self, text: str, row: int, name: str, words: bool) -> float:
-        if not text or (words and is_missing_word(text)):
-            return float("nan")
-        value = plain_number(text)
-        if value is None:
-            cure = "clear the cell if nothing is known"
-            if re.fullmatch(r"[-+]?\d[\d., '\u00a0\u202f]*", text):
-                cure = "write decimal points and no thousands separators"
-            elif (found := re.fullmatch(r"[-+]?[\d.,]+\s*(\D+)", text)) and is_unit(found[1]):
-                cure = f"write the number alone, and its unit behind the name of the column: {name} [{found[1]}]"
-            elif row == 0:
-                cure = "begin the row with # if it holds no readings, but remarks"
-            raise DataError(
-                f"row {self.numbers[row]}, column {name} is {shown(text)}; expected a number or nothing; {cure}"
-            )
-        return value
+    def _plain(self, name: str, words: bool) -> Floats:
+        """Return the plain numbers (n_rows,) of a column; of what is none a word is told before a mark in a number."""
+        texts = self.texts(name)
+        missing = ["nan" if not text or (words and is_missing_word(text)) else text for text in texts]
+        values = [plain_number(text) for text in missing]
+        bad = [row for row, value in enumerate(values) if value is None]
+        if not bad:
+            return np.array(values, dtype=np.float64)
+        row = next((row for row in bad if not NUMBER_LIKE.fullmatch(texts[row])), bad[0])
+        cure = "clear the cell if nothing is known"
+        if NUMBER_LIKE.fullmatch(texts[row]):
+            cure = "write decimal points and no thousands separators"
+        elif (found := re.fullmatch(r"[-+]?[\d.,]+\s*(\D+)", texts[row])) and is_unit(found[1]):
+            cure = f"write the number alone, and its unit behind the name of the column: {name} [{found[1]}]"
+        elif row == 0:
+            cure = "begin the row with # if it holds no readings, but remarks"
+        raise DataError(
+            f"row {self.numbers[row]}, column {name} is {shown(texts[row])}; expected a number or nothing; {cure}"
+        )
 
     def in_unit(self, name: str, unit: str, values: Floats) -> tuple[Floats, tuple[str, ...]]:
         """Return numbers (n_rows,) of a column in the twin's unit, and a note where they were converted.

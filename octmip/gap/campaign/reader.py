@@ -107,7 +107,7 @@ def _load_column(table: CampaignColumns, name: str) -> NDArray[np.float64]:
     if missing.size:
         raise DataError(
             f"row {table.numbers[missing[0]]}, column {name} is empty ({missing.size} such "
-            f"row{'s' * (missing.size != 1)}); give it for every reading"
+            f"row{'s' * (missing.size != 1)}); give it for every reading, or begin a row without one with #"
         )
     if huge.size:
         of = "a load factor, 1 in steady level flight," if name == "load_factor" else "a number"
