@@ -8,6 +8,10 @@ BAD_TABLES = {
         "a,y\n" + "".join(f"{k},u\n" for k in range(30)) + "ten,v\n",
         "'a' holds the word 'ten' among numbers",
     ),
+    "a mark of overload among decimal commas": (
+        "a;y\n" + "".join(f"{k},5;u\n" for k in range(30)) + ">>>>;v\n",
+        "'a' holds the word '>>>>' among numbers",
+    ),
     "infinity": ("a,y\n1,u\ninf,v\n", "'a' is inf in row 2; expected finite numbers"),
     "decimal commas and points": ("a;y\n1,5;u\n2.5;v\n", "save the table with points"),
     "not text": ("a,y\n1,\xff\x81\n", "is not UTF-8"),

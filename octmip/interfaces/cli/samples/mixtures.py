@@ -26,7 +26,7 @@ def mixed_columns(table: Table, names: Sequence[str]) -> dict[str, str]:
         cells = column.iloc[rows].tolist()
         if column.dtype.kind in "biufmM" or not all(isinstance(cell, str) for cell in cells):
             continue
-        numbers = {cell for cell in set(cells) if plain_number(cell.strip()) is not None}
+        numbers = {cell for cell in set(cells) if plain_number(cell.strip().replace(",", ".")) is not None}
         words = {cell for cell in set(cells) - numbers if not is_missing_word(cell)}
         if words and _has_form(words):
             continue
