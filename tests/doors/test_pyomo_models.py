@@ -65,6 +65,16 @@ def test_an_end_without_a_solution_is_told_before_values_are_read():
         octmip.solution_of(model, results)
 
 
+def test_whole_values_may_be_rounded_after_the_solve():
+    model = octmip.model(PROBLEM)
+    results = pyo.SolverFactory("appsi_highs").solve(model)
+    for variable in model.component_data_objects(pyo.Var):
+        if variable.is_binary():
+            variable.set_value(round(variable.value))
+    solution = octmip.solution_of(model, results)
+    assert (solution.bound, solution.details["scope"]) == (2, "all axis-aligned trees, of depth 1 or less")
+
+
 def test_a_start_that_no_solver_has_touched_is_no_answer():
     with pytest.raises(SolverError, match="which no solver has set"):
         octmip.solution_of(octmip.model(PROBLEM), bound=2)

@@ -186,8 +186,12 @@ def _held(variable: Any, how: str) -> Added:
 
 
 def _left_out(rows: Rows, variables: list[Any]) -> Iterator[Added]:
-    """Yield the variables of rows that kept their value while others got one: they were fixed when it was solved."""
-    if not is_untouched(variables):
+    """Yield the variables of rows that kept their value while others got one: they were fixed when it was solved.
+
+    Where whole ones alone got a value, somebody rounded them after the solve, which makes all others stale.
+    """
+    by_solver = [not variable.stale for variable, whole in zip(variables, rows.is_integer, strict=True) if not whole]
+    if not is_untouched(variables) and any(by_solver or [True]):
         in_rows = np.bincount(rows.matrix().indices, minlength=rows.n_columns) > 0
         yield from (
             _held(variable, "held")
