@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from octmip.errors import DataError, TwinError
@@ -201,6 +202,15 @@ def test_what_only_looks_different_is_read_as_it_is_meant(tmp_path, case):
     order = [other.gauges.index(name) for name in plain.gauges]
     assert np.array_equal(other.readings[:, order], plain.readings)
     assert other.notes == plain.notes == ()
+
+
+def test_what_names_the_rows_of_a_frame_is_read_as_a_column(tmp_path):
+    pytest.importorskip("pyarrow")
+    plain = reading(tmp_path, text(ROWS))
+    pd.read_csv(tmp_path / "campaign.csv").set_index(["time", "test"]).to_parquet(tmp_path / "campaign.parquet")
+    again = read_campaign(tmp_path / "campaign.parquet", TWIN)
+    assert (again.test, again.time.tolist(), again.notes) == (plain.test, plain.time.tolist(), plain.notes)
+    assert np.array_equal(again.readings, plain.readings)
 
 
 def test_rows_keep_their_line_numbers(tmp_path):

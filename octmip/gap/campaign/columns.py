@@ -278,7 +278,7 @@ def read_columns(
     DataError
         the file is no table, a column is missing, two columns have one meaning, or a name is nearly one of the twin's.
     """
-    table = path if isinstance(path, Table) else read_table(path, as_text=TEST)
+    table = path if isinstance(path, Table) else read_table(path, as_text=TEST, keeps_names=True)
     is_empty = table.frame.isna().all(axis=1).to_numpy()
     if 0 < is_empty.sum() < len(is_empty):
         n_empty = int(is_empty.sum())
