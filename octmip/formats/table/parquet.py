@@ -15,8 +15,10 @@ from octmip.input.messages import several
 MOST_CELLS = 2**28  # two gigabytes as float64
 
 
-def read_parquet(source: Source, keeps_names: bool = False) -> tuple[pd.DataFrame, tuple[str, ...]]:
+def read_parquet(source: Source, named: str | None, keeps_names: bool = False) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Return the table of a Parquet file, and a note on columns that are left out: those of the index of pandas.
+
+    The column `named`, where there is one, stays.
 
     With `keeps_names` they are columns, called "" where they have no name of their own.
 
@@ -52,10 +54,10 @@ def read_parquet(source: Source, keeps_names: bool = False) -> tuple[pd.DataFram
         ) from error
     if keeps_names:
         return frame.rename(columns={"__index_level_0__": ""}), ()
-    left_out = [name for name in names if name in index]
-    named = [name for name in left_out if not name.startswith("__index_level_")]
-    told = f"{several(named)} of {source.name} names the rows, as pandas says in it, and is left out"
-    return frame.drop(columns=left_out), (told,) * bool(named)
+    left_out = [name for name in names if name in index and name != named]
+    own = [name for name in left_out if not name.startswith("__index_level_")]
+    told = f"{several(own)} of {source.name} names the rows, as pandas says in it, and is left out"
+    return frame.drop(columns=left_out), (told,) * bool(own)
 
 
 def _index_columns(metadata: object) -> set[str]:

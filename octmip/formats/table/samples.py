@@ -292,7 +292,8 @@ def read_table(path: PathLike, as_text: str | None = None, *, keeps_names: bool 
     """Return the table of a file, or of standard input for "-".
 
     .csv and .tsv (UTF-8 or latin-1, one header line, either may be compressed: .gz) and .parquet. The column `as_text`
-    is read as text: 007 is no 7. With `keeps_names` names of rows without a name above them are the column "".
+    is read as text (007 is no 7), and stays where pandas says that it names the rows. With `keeps_names` names of rows
+    without a name above them are the column "".
 
     Raises
     ------
@@ -303,7 +304,7 @@ def read_table(path: PathLike, as_text: str | None = None, *, keeps_names: bool 
     notes: tuple[str, ...] = ()
     units: tuple[tuple[str, str], ...] = ()
     if source.format == "parquet":
-        frame, notes = read_parquet(source, keeps_names)
+        frame, notes = read_parquet(source, as_text, keeps_names)
     else:
         frame, layout, notes = read_delimited(source, as_text, keeps_names)
         units = tuple((name, unit) for name, unit in zip(layout.header, layout.units, strict=False) if name and unit)

@@ -47,6 +47,16 @@ def test_predict_reads_standard_input_and_says_what_training_had_not(survey, run
     assert "0 of 2 samples wrong (0 %); 1 more row has no label" in err
 
 
+def test_the_index_of_a_frame_may_name_the_rows(survey, run, tmp_path):
+    pytest.importorskip("pyarrow")
+    frame = pd.read_csv(survey)
+    frame.set_index(frame["id"].map("r{:03}".format))[["colour", "age", "label"]].to_parquet(tmp_path / "a.parquet")
+    code, *_ = run("solve", tmp_path / "a.parquet", *SOLVE[:-2], "--out", tmp_path / "tree.json")
+    _, out, err = run("predict", tmp_path / "tree.json", tmp_path / "a.parquet")
+    assert (code, out.splitlines()[0], out.splitlines()[1][:5]) == (0, "id,prediction", f"r{frame['id'][0]:03},")
+    assert "left out" not in err
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

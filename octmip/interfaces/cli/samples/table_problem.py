@@ -107,7 +107,7 @@ def read_problem(arguments: argparse.Namespace) -> TableProblem:
     """
     loss = _loss(arguments)
     purpose, predicted = ("label", arguments.label) if loss is None else ("target", arguments.target)
-    whole = read_table(arguments.data)
+    whole = read_table(arguments.data, as_text=arguments.index)
     chosen = _chosen_columns(whole, arguments, predicted, purpose)
     rows = _rows_kept(arguments)
     table = kept_rows(whole, rows, chosen.label, chosen.needed)
