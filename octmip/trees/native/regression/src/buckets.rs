@@ -1,4 +1,5 @@
-//! Best cuts by buckets: leaves of any size, weights above 0; squared errors, or sloped ones of few distinct targets.
+//! Best cuts by buckets: weights above 0; squared errors, or sloped ones of few distinct targets. Leaves have any size;
+//! where they have a least one, a pass gives bounds alone.
 //!
 //! The samples of a node are parted into buckets along each feature, samples of one rank never into two. A cut of
 //! another feature that moves by one sample changes one bucket of each feature, and a pass reads buckets, not samples
@@ -18,6 +19,8 @@ const MOST_SLOPED: usize = 48;
 #[derive(Debug)]
 pub(crate) struct Buckets {
     arch: pulp::Arch,
+    /// Whether leaves of any size will do, so that what is reached is found; else it is a bound.
+    pub(crate) is_exact: bool,
     /// Feature of each slot, and slot of each feature.
     pub(crate) features: Vec<usize>,
     slots: Vec<usize>,
@@ -46,8 +49,9 @@ impl Buckets {
     pub(crate) fn new(samples: &Samples) -> Option<Self> {
         let has_weights = samples.sums.iter().all(|own| own.weight > 0.0);
         let is_few = samples.slopes.is_none() || samples.values.len() <= MOST_VALUES;
-        (samples.leaf_size == 1 && has_weights && is_few).then(|| Self {
+        (has_weights && is_few).then(|| Self {
             arch: pulp::Arch::new(),
+            is_exact: samples.leaf_size == 1,
             features: (0..samples.p).collect(),
             slots: (0..samples.p).collect(),
             n_buckets: 0,

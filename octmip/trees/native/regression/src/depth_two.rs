@@ -25,7 +25,7 @@ pub(crate) struct TwoLevels<'a> {
     pub(crate) incumbents: Vec<f64>,
     sides: Sides,
     scanner: Scanner,
-    /// Where they serve; else every scan is one of samples.
+    /// Where they serve; else every scan is one of samples, and so it is where they give bounds alone.
     buckets: Option<Buckets>,
     quantiles: Quantiles,
     axis: Axis,
@@ -150,7 +150,9 @@ impl TwoLevels<'_> {
             for (lane, &g) in buckets.group(group).iter().enumerate() {
                 for m in [0, 1].into_iter().filter(|&m| needs[m]) {
                     now[g].raise(m, found.lower[m][lane]);
-                    stumps[m].see(g, found.edge[m][lane], penalty);
+                    if buckets.is_exact {
+                        stumps[m].see(g, found.edge[m][lane], penalty);
+                    }
                 }
             }
         }
@@ -161,11 +163,11 @@ impl TwoLevels<'_> {
         let Self { samples, buckets, scanner, sides, now, is_known, .. } = self;
         let penalty = samples.penalty;
         let found = match buckets {
-            Some(buckets) => [0, 1].map(|m| match needs[m] {
+            Some(buckets) if buckets.is_exact => [0, 1].map(|m| match needs[m] {
                 true => buckets.look_inside(samples, view, g, sides, (m, stumps[m].cost - penalty)),
                 false => (f64::INFINITY, 0.0),
             }),
-            None => scanner.scan(samples, view, g, sides, needs).map(|best| (best.error, best.relaxed)),
+            _ => scanner.scan(samples, view, g, sides, needs).map(|best| (best.error, best.relaxed)),
         };
         for m in [0, 1] {
             if needs[m] {
@@ -211,9 +213,11 @@ impl TwoLevels<'_> {
     fn begin_feature(&mut self, view: &View, f: usize, axis: &mut Axis, whole: &[f64]) {
         let Self { sides, quantiles, kept, buckets, .. } = self;
         sides.rewind(self.samples, view);
-        match buckets {
-            Some(buckets) => buckets.rewind(self.samples, view),
-            None => axis.lay_leaves(self.samples, view, f, sides, quantiles),
+        if let Some(buckets) = buckets {
+            buckets.rewind(self.samples, view);
+        }
+        if !buckets.as_ref().is_some_and(|buckets| buckets.is_exact) {
+            axis.lay_leaves(self.samples, view, f, sides, quantiles);
         }
         kept.clear();
         kept.extend(whole.iter().map(|&right| Pair { left: 0.0, right }));
@@ -245,8 +249,8 @@ impl TwoLevels<'_> {
         is_known.clear();
         is_known.resize(p, [false; 2]);
         let leaves = match buckets {
-            Some(buckets) => buckets.leaves(samples, sides),
-            None => [axis.leaves[k].left, axis.leaves[k].right],
+            Some(buckets) if buckets.is_exact => buckets.leaves(samples, sides),
+            _ => [axis.leaves[k].left, axis.leaves[k].right],
         };
         let mut stumps = leaves.map(|cost| Stump { cost, feature: None });
         let mut is_swept = false;
