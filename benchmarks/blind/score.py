@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from benchmarks.blind.answers import Found
+from benchmarks.blind.assets.families import in_order
 from benchmarks.blind.cases import ALL_LOADS, CONFOUNDED, REPEATS
 from benchmarks.blind.sealing import LEAST, Key
 from benchmarks.blind.truths import TRACELESS
@@ -82,6 +83,12 @@ def is_standard(answer: Key) -> bool:
     """Return whether a case has the conditions of the table of figures: known healthy state, loads 0 to 3."""
     case = answer["case"]
     return case["is_known"] and len(case["states"]) == 1 and tuple(case["loads"]) == ALL_LOADS
+
+
+def by_family(cases: Sequence[Pair]) -> dict[str, list[Pair]]:
+    """Return the cases of each family of assets."""
+    families = in_order({a["case"]["family"] for _, a in cases})
+    return {name: [(f, a) for f, a in cases if a["case"]["family"] == name] for name in families}
 
 
 def figures(cases: Sequence[Pair]) -> list[Figure]:

@@ -1,4 +1,4 @@
-"""Machines: `python -m benchmarks.machines [--draws 50] [--seed N] [--selector squares] [--machine pump] [--out DIR]`.
+"""Machines: `python -m benchmarks.machines [--draws 50] [--seed N] [--selector plain] [--machine pump] [--out DIR]`.
 
 Each draw is another machine with a sound commissioning run of the same cells: a fifth sound, two fifths with one fault,
 a fifth with two, a fifth with one that no library holds; noise white, with a memory, or of a coarse display. Cases are
