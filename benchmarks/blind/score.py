@@ -10,7 +10,7 @@ from benchmarks.blind.assets.families import in_order
 from benchmarks.blind.cases import ALL_LOADS, CONFOUNDED, REPEATS
 from benchmarks.blind.sealing import LEAST, Key
 from benchmarks.blind.truths import TRACELESS
-from benchmarks.figure import Figure, area, calibration, share, statistic
+from benchmarks.figure import Figure, area, calibration, share, statistic, tenth
 from benchmarks.noises import VARIANCE
 from benchmarks.seals import is_right
 from femlib.arrays import FloatArray
@@ -215,14 +215,10 @@ def _closing(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
     shares = [closed(f, a) for f, a in clear]
     return [
         statistic("closed on a held-out load, median", shares, np.median, (0.95, INFINITY)),
-        statistic("closed on a held-out load, 10th percentile", shares, _tenth, (0.80, INFINITY)),
+        statistic("closed on a held-out load, 10th percentile", shares, tenth, (0.80, INFINITY)),
         statistic("localisation precision (> 4 sigma)", [p[0] for p in places if p], must=(0.95, INFINITY)),
         statistic("localisation recall (> 4 sigma)", [p[1] for p in places if p], must=(0.95, INFINITY)),
     ]
-
-
-def _tenth(values: FloatArray) -> float:
-    return float(np.quantile(values, 0.1))
 
 
 def size_held(found: Found, answer: Key) -> bool | None:
