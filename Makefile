@@ -14,7 +14,7 @@ PYTEST := MAKEFLAGS= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m p
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
 
-# The tables of docs/results/mission.md: make mission ARGS="--policies --watch 100"
+# The tables of docs/results/mission.md: make mission ARGS="--policies --watch 100 --lives 1000"
 mission: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav.mission $(if $(STRAINS),--strains $(STRAINS) --out results/uav/mission/published) $(ARGS)
 

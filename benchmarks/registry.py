@@ -47,10 +47,12 @@ FAMILIES = {
     "sql_engines": "benchmarks.cases.doors.sql_engines",
     "printed_rules": "benchmarks.cases.doors.printed_rules",
     "doors_pyomo": "benchmarks.cases.doors.pyomo_models",
-    # The tests: wrong code that they must find
+    # The tests and the sources: wrong code that tests must find, and how far a reader walks (docs/developing.md)
     "mutants": "benchmarks.mutants.study",
-    # Shells: docs/results/shells.md. Noise of a campaign: docs/gap/noise.md
+    "walk": "benchmarks.source_map.walk",
+    # Shells: docs/results/shells.md. Meshes of the wing: docs/wing.md. Noise of a campaign: docs/gap/noise.md
     "fem_shells": "benchmarks.cases.fem_shells",
+    "capability_meshes": "benchmarks.cases.fem_capability",
     "gap_noise": "benchmarks.cases.gap_noise",
 }
 

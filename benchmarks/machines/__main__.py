@@ -1,4 +1,4 @@
-"""Machines: `python -m benchmarks.machines [--draws 50] [--seed N] [--selector plain] [--machine pump] [--out DIR]`.
+"""Machines: `python -m benchmarks.machines [--draws 50] [--seed N] [--selector squares] [--machine pump] [--out DIR]`.
 
 Each draw is another machine with a sound commissioning run of the same cells: a fifth sound, two fifths with one fault,
 a fifth with two, a fifth with one that no library holds; noise white, with a memory, or of a coarse display. Cases are
@@ -20,6 +20,8 @@ import numpy as np
 from benchmarks.figure import Figure, area, share, statistic, table, tenth
 from benchmarks.machines.bare import bare_figures, of_its_twin
 from benchmarks.machines.draws import Key, seal
+from benchmarks.machines.frame import FRAME
+from benchmarks.machines.motor import MOTOR
 from benchmarks.machines.oven import OVEN
 from benchmarks.machines.panel import PANEL
 from benchmarks.machines.pump import PUMP
@@ -29,8 +31,8 @@ from benchmarks.machines.tanks import TANKS
 from benchmarks.machines.transformer import TRANSFORMER
 from benchmarks.seals import is_right, open_keys
 
-SETTLED, JUDGED = (PUMP, OVEN, TRANSFORMER), (TANKS, SHIP, PANEL)
-MACHINES = {machine.name: machine for machine in (*SETTLED, *JUDGED)}
+SETTLED, JUDGED, OLD = (PUMP, OVEN, TRANSFORMER), (TANKS, SHIP, PANEL), (MOTOR, FRAME)
+MACHINES = {machine.name: machine for machine in (*SETTLED, *JUDGED, *OLD)}
 STATED = 0.95
 INFINITY = float("inf")
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.machines.machine import Machine
-from benchmarks.plain.selector import select
+from benchmarks.plain.least_squares import FITS, fits_of
+from benchmarks.plain.selector import CREDIBLE, select
 from octmip.gap import Campaign, Differences, FunctionTwin, Odds, diagnose, read_campaign
 from octmip.twin import load_of
 
@@ -103,6 +104,28 @@ def plain(campaign: Campaign, twin: FunctionTwin, run: Campaign, machine: Machin
     )
 
 
+def squares(campaign: Campaign, twin: FunctionTwin, run: Campaign, machine: Machine) -> Said:
+    """Return what least squares with BIC and a chi-squared of the rest say."""
+    start = time.process_time()
+    fits = fits_of(campaign, twin, run)
+    first, chance = fits[0], max(fit.chance for fit in fits)
+    share = np.exp(-0.5 * np.array([fit.bic - first.bic for fit in fits]))
+    share /= share.sum()
+    before = np.cumsum([0.0, *share])
+    names = [[[e.name] for e, _ in fit.members] for fit, sum_ in zip(fits, before, strict=False) if sum_ < CREDIBLE]
+    is_unknown = chance < FITS
+    return Said(
+        names=[["unknown"]] if is_unknown else names[0],
+        credible=[[["unknown"]]] if is_unknown else names,
+        probability=1.0 - chance if is_unknown else float(share[0]),
+        unknown_probability=1.0 - chance,
+        sizes=[(e.name, p, *s[1:]) for (e, p), s in zip(first.members, first.sizes.tolist(), strict=True)],
+        doubts=[],
+        seconds=time.process_time() - start,
+        calls=len(twin.answers),
+    )
+
+
 def bare(campaign: Campaign, twin: FunctionTwin, run: Campaign, machine: Machine) -> Said:
     """Return what octmip.gap says without the run, told how far constants are from the drawing."""
     start = time.process_time()
@@ -114,7 +137,7 @@ def bare(campaign: Campaign, twin: FunctionTwin, run: Campaign, machine: Machine
     return Said(names[0], names, found.which[0].probability, unknown, [], [], constants=constants, seconds=seconds)
 
 
-SELECTORS: Mapping[str, Selector] = {"diagnosis": diagnosis, "plain": plain, "bare": bare}
+SELECTORS: Mapping[str, Selector] = {"diagnosis": diagnosis, "plain": plain, "squares": squares, "bare": bare}
 
 
 def answer(place: Path, machine: Machine, selector: str) -> Said:

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from benchmarks.machines import ties
 from benchmarks.machines.__main__ import JUDGED, MACHINES, SETTLED, closed, figures, inside, run, run_bare
 from benchmarks.machines.bare import of_its_twin, today
 from benchmarks.machines.draws import CLEAR
@@ -78,3 +79,13 @@ def test_without_a_run_constants_are_judged_beside_those_of_the_asset(tmp_path):
     own = dict.fromkeys(machine.twin().card.ranges, 1.1)
     assert today(machine, own, {"leak": 0.2, "lift": 0.5})["leak"] == 0.2
     assert today(machine, own, {"lift": 0.5})["lift"] == pytest.approx(3.4 * 1.1 * 1.5)
+
+
+@pytest.mark.long
+def test_a_tie_is_settled_by_the_proposed_test_and_not_by_a_random_repeat():
+    assert ties.run(6, 1) == (
+        "Seed 6: 1 ties among 2 single faults; the proposal settles 1 (cell 1 of 1), a random repeat 0."
+    )
+    doubled = ties.twin_with(MACHINES["tanks"], "power")
+    assert doubled.gauges[-1] == "power_2"
+    assert doubled.predict({}, MACHINES["tanks"].cells[0])[-1] == doubled.predict({}, MACHINES["tanks"].cells[0])[-2]

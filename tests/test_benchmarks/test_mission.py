@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.uav.mission import local_damage
+from benchmarks.uav.mission import lives, local_damage
 from benchmarks.uav.mission.aircraft import Aircraft, build_aircraft
 from benchmarks.uav.mission.capable import MOST, STEP, Capable
 from benchmarks.uav.mission.course_plan import WIDE_STEPS
@@ -64,3 +64,12 @@ def test_damage_at_two_gauges_is_told_by_the_watch_and_not_one_gauge_at_a_time(a
     right = {name: int(str(told).split()[0]) for name, told in damaged.items() if name not in ("gauges", "seed")}
     assert right["the watch"] >= 7 > right["one gauge at a time"]
     assert int(str(failed["the watch"]).split()[0]) >= 7
+
+
+@pytest.mark.long
+def test_bands_of_a_forecast_hold_most_lives(aircraft: Aircraft, monkeypatch):
+    monkeypatch.setattr(lives, "LONGEST", 1200)
+    monkeypatch.setattr(lives, "FLOWN", 10)
+    rows = list(lives.life_rows(aircraft, 60, 2))
+    assert rows[0]["wings"] == "of any rate"
+    assert 78.0 <= float(str(rows[0]["within 90 % bands %"])) <= 99.0, rows
