@@ -1,6 +1,5 @@
 """The data that benchmarks and tests read from `../shared`, beside the repository; never copied into it."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -27,51 +26,6 @@ class Table:
 
     features: NDArray[np.float64]
     labels: NDArray[np.int64]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class TipTest:
-    """A static test of the UAV wing: loads [N] hung at its tip, and the deflection there [mm]."""
-
-    load: NDArray[np.float64]
-    deflection: NDArray[np.float64]
-
-    @property
-    def stiffness(self) -> float:
-        """Load over deflection [N/mm], by least squares through zero."""
-        return float(self.load @ self.deflection / (self.deflection @ self.deflection))
-
-
-def tip_test(source: str) -> TipTest:
-    """Return the published tip test: of the authors' "model", or the "measurements" (two repeats of four masses)."""
-    table = pd.read_csv(SHARED / "uav" / f"load_displacement_{source}.csv")
-    return TipTest(*(table[name].to_numpy(dtype=np.float64) for name in ("load", "displacement")))
-
-
-@dataclass(frozen=True, slots=True)
-class VibrationTest:
-    """The two lowest natural frequencies of the UAV wing [Hz], measured and of the authors' model.
-
-    Attributes
-    ----------
-    measured, model
-        frequencies, ascending.
-    masses
-        by name, the point masses that the model was fitted with [kg]; means over its fits.
-    """
-
-    measured: tuple[float, float]
-    model: tuple[float, float]
-    masses: Mapping[str, float]
-
-
-def vibration_test() -> VibrationTest:
-    """Return the published frequencies and fitted masses."""
-    table = pd.read_csv(SHARED / "uav" / "mass_optimization_results.csv")
-    first, second = (float(table[f"target_freq_{k}"].iloc[0]) for k in (1, 2))
-    own, higher = (float(table[f"freq_{k}"].mean()) for k in (1, 2))
-    masses = {name: float(table[name].mean()) for name in ("mass_servo_1", "mass_servo_2", "mass_pitot")}
-    return VibrationTest((first, second), (own, higher), masses)
 
 
 @cache

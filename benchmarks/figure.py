@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy.stats import beta
@@ -73,18 +75,22 @@ def share(name: str, hits: Iterable[bool | None], must: Must | None = None) -> F
     return Figure(name, k / n, low, high, n, must)
 
 
+tenth = partial(np.quantile, q=0.1)
+"""The value that a tenth lies below, for `statistic`."""
+
+
 def statistic(
     name: str,
     values: Iterable[float | None],
-    take: Callable[[FloatArray], np.floating | float] = np.mean,
+    take: Callable[..., Any] = np.mean,
     must: Must | None = None,
 ) -> Figure:
-    """Return a statistic with its bootstrap interval."""
+    """Return a statistic with its bootstrap interval; `take` has an axis, as `np.mean` has."""
     finite = np.asarray([v for v in values if v is not None and np.isfinite(v)], dtype=float)
     if not len(finite):
         return none(name, must)
     rng = np.random.default_rng(0)
-    draws = np.array([take(finite[rng.integers(len(finite), size=len(finite))]) for _ in range(1000)])
+    draws = take(finite[rng.integers(len(finite), size=(1000, len(finite)))], axis=1)
     low, high = np.quantile(draws, [0.025, 0.975]).tolist()
     return Figure(name, float(take(finite)), low, high, len(finite), must)
 

@@ -12,20 +12,20 @@ FAMILIES = {
     "exact_uci": "benchmarks.cases.exact.uci",
     "exact_uav": "benchmarks.cases.exact.uav",
     "sparse": "benchmarks.cases.exact.sparse",
-    "two_feature_trees": "benchmarks.cases.two_feature.trees",
-    "regression_speed": "benchmarks.cases.regression.speed",
+    "two_feature_trees": "benchmarks.cases.two_feature_trees",
+    "regression_speed": "benchmarks.cases.regression_speed",
     # What an option and a bound cost and save: docs/results/options.md, docs/theory/exact.md
     "option_prices": "benchmarks.cases.exact.option_prices",
     "exact_ablation": "benchmarks.cases.exact.ablation",
     # The heuristic against the optimum: docs/benchmarks.md
-    "search_hits": "benchmarks.cases.search.hits",
+    "search_hits": "benchmarks.cases.search_hits",
     # Trees on new rows of public tables: docs/results/tables.md
     "command_tables": "benchmarks.cases.command.tables",
     "held_out_tables": "benchmarks.cases.held_out_tables",
     "held_out_numbers": "benchmarks.cases.held_out_numbers",
     # Answers against enumeration: docs/reliability.md, as all below but the last two
     "fuzz_everything": "benchmarks.cases.fuzz.everything",
-    "mio_random": "benchmarks.cases.mio.random_problems",
+    "mio_random": "benchmarks.cases.mio_random",
     "scopes": "benchmarks.cases.exact.scopes",
     # Corrupted proof logs and files
     "fuzz_proofs": "benchmarks.cases.fuzz.proofs",
@@ -51,9 +51,9 @@ FAMILIES = {
     "mutants": "benchmarks.mutants.study",
     "walk": "benchmarks.source_map.walk",
     # Shells: docs/results/shells.md. Meshes of the wing: docs/wing.md. Noise of a campaign: docs/gap/noise.md
-    "fem_shells": "benchmarks.cases.fem.shells",
-    "capability_meshes": "benchmarks.cases.fem.capability",
-    "gap_noise": "benchmarks.cases.gap.noise",
+    "fem_shells": "benchmarks.cases.fem_shells",
+    "capability_meshes": "benchmarks.cases.fem_capability",
+    "gap_noise": "benchmarks.cases.gap_noise",
 }
 
 

@@ -1,4 +1,4 @@
-"""Measure a family of cases: `python -m benchmarks.run NAME [--limit 60] [--threads 1,2] [--out FILE] [--csv FILE]`.
+"""Measure a family of cases: `python -m benchmarks.run NAME [--limit 60] [--threads 1,2] [--csv FILE]`.
 
 Prints one JSON line per result. Every solver answers in a process of its own, killed soon after its limit; CPU and wall
 seconds are those of the solving call alone (all threads and processes of it), the median of several where it is short.
@@ -12,7 +12,6 @@ import json
 import math
 import os
 import pickle
-import platform
 import re
 import resource
 import statistics
@@ -20,15 +19,12 @@ import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import nullcontext
-from pathlib import Path
-from typing import TextIO
 
 from benchmarks.case import Case
+from benchmarks.context import context
 from benchmarks.cpu import Stopwatch
 from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
-from benchmarks.small_svg import shrink
 from benchmarks.tables import Line
 from octmip.interfaces.cli.stages import term_as_interrupt
 
@@ -55,33 +51,24 @@ def main() -> None:
         raise SystemExit(f"{options.name} has no random problems: --seeds means nothing to it")
     else:
         lines = _race(module.cases(), options, threads)
-    with open(options.out, "a") if options.out else nullcontext() as out:
-        shown = _shown(options.name, lines, out)
+    shown = _shown(options.name, lines)
     if options.csv:
         _write_csv(shown, options.csv)
-    if options.picture:
-        module.picture(shown, Path(options.picture))
-        shrink(Path(options.picture))
     if hasattr(module, "summary"):
         print(module.summary(shown), file=sys.stderr)
 
 
-def _shown(name: str, lines: Iterator[Line], out: TextIO | None) -> list[Line]:
+def _shown(name: str, lines: Iterator[Line]) -> list[Line]:
     """Return the lines of a family, each printed when it is there; Ctrl-C and SIGTERM end it with those that are."""
     shown: list[Line] = []
     with term_as_interrupt():
         try:
-            shown.extend(_printed({"case": name, **line, **_context()}, out) for line in lines)
+            for line in lines:
+                shown.append({"case": name, **line, **context()})
+                print(json.dumps(shown[-1]), flush=True)
         except KeyboardInterrupt:
             print(f"interrupted after {len(shown)} lines", file=sys.stderr)
     return shown
-
-
-def _printed(line: Line, out: TextIO | None) -> Line:
-    """Return a line once it stands on standard output and, where there is one, in the file."""
-    for file in (sys.stdout, *([] if out is None else [out])):
-        print(json.dumps(line), file=file, flush=True)
-    return line
 
 
 def _write_csv(lines: list[Line], path: str) -> None:
@@ -102,9 +89,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--seeds", type=int, default=0, help="only these first random problems of each kind")
     parser.add_argument("--seed", type=int, default=0, help="of what is drawn; without it the clock gives one")
     parser.add_argument("--draws", type=int, default=0, help="how many are drawn")
-    parser.add_argument("--out", help="append the lines to this file")
     parser.add_argument("--csv", help="write the lines into this file as a table, at the end")
-    parser.add_argument("--picture", help="draw the lines into this file, for families that have a picture")
     parser.add_argument("--solver", help=argparse.SUPPRESS)
     parser.add_argument("--child", help=argparse.SUPPRESS)  # the case, pickled: listing a family can take longer
     return parser.parse_args()
@@ -165,19 +150,6 @@ def _measure(case: Case, options: argparse.Namespace) -> Line:
         "version": rival.version,
         "settings": answer.settings,
     }
-
-
-def _context() -> Line:
-    here = Path(__file__).parent
-    commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, cwd=here)
-    return {"commit": commit.stdout.strip(), "machine": _machine()}
-
-
-def _machine() -> str:
-    cpuinfo = Path("/proc/cpuinfo")
-    lines = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return f"{names[0] if names else platform.processor()}, {os.cpu_count()} CPUs, Python {platform.python_version()}"
 
 
 if __name__ == "__main__":

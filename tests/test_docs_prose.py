@@ -112,9 +112,10 @@ def test_a_page_keeps_the_rules_of_prose(page: str, rule: Rule) -> None:
 
 def sentences_of_code(tree: ast.Module) -> Iterator[str]:
     """Yield the texts of a module that have four words or more, docstrings apart; a value in one is X."""
-    values = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
-    documents = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    for node in ast.walk(tree):
+    nodes = list(ast.walk(tree))
+    values = {id(part) for node in nodes if isinstance(node, ast.JoinedStr) for part in node.values}
+    documents = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+    for node in nodes:
         if isinstance(node, ast.JoinedStr):
             text = "".join(str(part.value) if isinstance(part, ast.Constant) else "X" for part in node.values)
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in values | documents:

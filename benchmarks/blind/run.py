@@ -11,7 +11,6 @@ from typing import Any
 
 from benchmarks.blind.answers import Found, Task, code
 from benchmarks.blind.assets.families import available, made
-from benchmarks.blind.reliability import draw
 from benchmarks.blind.sealing import Key, seal
 from benchmarks.blind.selectors import answer
 from benchmarks.blind.sound import sound_tables
@@ -62,7 +61,7 @@ def run(folder: Path, plan: Plan) -> str:
     found = {selector: _answered(folder, plan, selector) for selector in plan.selectors}
     clock.append(time.time())
     answers: dict[str, Key] = open_keys(folder, keys)
-    tables = _tables(folder, found, answers, plan)
+    tables = _tables(found, answers, plan)
     clock.append(time.time())
     text = "\n\n".join([_heading(plan, len(answers), clock), *tables])
     (folder / "tables.md").write_text(text + "\n")
@@ -153,14 +152,10 @@ def _tasks(folder: Path, plan: Plan) -> list[Task]:
     ]
 
 
-def _tables(folder: Path, found: Mapping[str, Sequence[Found]], answers: Mapping[str, Key], plan: Plan) -> list[str]:
-    """Return all tables; draw the reliability of the first selector."""
+def _tables(found: Mapping[str, Sequence[Found]], answers: Mapping[str, Key], plan: Plan) -> list[str]:
+    """Return all tables."""
     told = {_called(selector): [(f, answers[f["name"]]) for f in part] for selector, part in found.items()}
-    if plan.strata == "sound":
-        return sound_tables(told)
-    with_run = [(f, a) for f, a in next(iter(told.values())) if f["calibrated"]]
-    draw(folder / "reliability.svg", "With the commissioning run", with_run)
-    return all_tables(told)
+    return sound_tables(told) if plan.strata == "sound" else all_tables(told)
 
 
 def _called(selector: str) -> str:

@@ -6,10 +6,11 @@ from itertools import pairwise
 import numpy as np
 
 from benchmarks.blind.answers import Found
+from benchmarks.blind.assets.families import in_order
 from benchmarks.blind.cases import ALL_LOADS, CONFOUNDED, REPEATS
 from benchmarks.blind.sealing import LEAST, Key
 from benchmarks.blind.truths import TRACELESS
-from benchmarks.figure import Figure, area, calibration, share, statistic
+from benchmarks.figure import Figure, area, calibration, share, statistic, tenth
 from benchmarks.noises import VARIANCE
 from benchmarks.seals import is_right
 from femlib.arrays import FloatArray
@@ -82,6 +83,12 @@ def is_standard(answer: Key) -> bool:
     """Return whether a case has the conditions of the table of figures: known healthy state, loads 0 to 3."""
     case = answer["case"]
     return case["is_known"] and len(case["states"]) == 1 and tuple(case["loads"]) == ALL_LOADS
+
+
+def by_family(cases: Sequence[Pair]) -> dict[str, list[Pair]]:
+    """Return the cases of each family of assets."""
+    families = in_order({a["case"]["family"] for _, a in cases})
+    return {name: [(f, a) for f, a in cases if a["case"]["family"] == name] for name in families}
 
 
 def figures(cases: Sequence[Pair]) -> list[Figure]:
@@ -208,14 +215,10 @@ def _closing(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
     shares = [closed(f, a) for f, a in clear]
     return [
         statistic("closed on a held-out load, median", shares, np.median, (0.95, INFINITY)),
-        statistic("closed on a held-out load, 10th percentile", shares, _tenth, (0.80, INFINITY)),
+        statistic("closed on a held-out load, 10th percentile", shares, tenth, (0.80, INFINITY)),
         statistic("localisation precision (> 4 sigma)", [p[0] for p in places if p], must=(0.95, INFINITY)),
         statistic("localisation recall (> 4 sigma)", [p[1] for p in places if p], must=(0.95, INFINITY)),
     ]
-
-
-def _tenth(values: FloatArray) -> float:
-    return float(np.quantile(values, 0.1))
 
 
 def size_held(found: Found, answer: Key) -> bool | None:

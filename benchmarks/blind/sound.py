@@ -5,9 +5,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from benchmarks.blind.answers import Found
-from benchmarks.blind.assets.families import in_order
 from benchmarks.blind.cases import SOUND
-from benchmarks.blind.score import Pair
+from benchmarks.blind.score import Pair, by_family
 from benchmarks.figure import Figure, share, table
 
 WHITE, OTHER, DOUBTED = (-np.inf, 0.02), (-np.inf, 0.05), (0.95, np.inf)
@@ -19,9 +18,8 @@ def sound_tables(told: Mapping[str, Sequence[Pair]]) -> list[str]:
     for title, is_calibrated in (("With the commissioning run", True), ("Without a commissioning run", False)):
         parts = {name: [(f, a) for f, a in cases if f["calibrated"] == is_calibrated] for name, cases in told.items()}
         (_, part), *others = parts.items()
-        families = in_order({a["case"]["family"] for _, a in part})
-        by = {name: [(f, a) for f, a in part if a["case"]["family"] == name] for name in families}
-        columns = {**(by if len(families) > 1 else {}), "all": part, **dict(others)}
+        by = by_family(part)
+        columns = {**(by if len(by) > 1 else {}), "all": part, **dict(others)}
         if part:
             found.append(table(f"Sound assets. {title}", {name: sound(rows) for name, rows in columns.items()}))
     return found

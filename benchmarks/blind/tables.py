@@ -2,12 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
-from benchmarks.blind.assets.families import in_order, slug
+from benchmarks.blind.assets.families import slug
 from benchmarks.blind.guards import guards
 from benchmarks.blind.reliability import errors
-from benchmarks.blind.score import Pair, by_effect, figures, is_standard, strata
+from benchmarks.blind.score import Pair, by_effect, by_family, figures, is_standard, strata
 from benchmarks.figure import Figure, table
 
 UNSAID = ("seconds", "noise named", "channel named", "localisation", "exactly confounded")
@@ -32,7 +30,6 @@ def all_tables(told: Told) -> list[str]:
         table("Without a commissioning run", _beside(without)),
         table("Families, with the commissioning run", _families(with_run)),
         table("Families, without a commissioning run", _families(without)),
-        table("Range over the families, with the commissioning run", spread(with_run)),
         table("Reliability, with the commissioning run", _reliability(with_run)),
         table(
             "Single effects",
@@ -52,23 +49,6 @@ def _runs(with_run: Told, without: Told) -> tuple[tuple[str, Told], ...]:
     return ("with the commissioning run", with_run), ("without", without)
 
 
-def of_family(cases: Sequence[Pair], family: str) -> list[Pair]:
-    """Return the cases of one family."""
-    return [(f, a) for f, a in cases if a["case"]["family"] == family]
-
-
-def families_of(cases: Sequence[Pair]) -> list[str]:
-    """Return the families of cases in the order of `families.FAMILIES`."""
-    return in_order({a["case"]["family"] for _, a in cases})
-
-
-def spread(told: Told) -> dict[str, list[Figure]]:
-    """Return the largest figure of a family less the least."""
-    cases = next(iter(told.values()))
-    every = [figures(of_family(cases, name)) for name in families_of(cases)]
-    return {"largest less least of the families": [_range(rows) for rows in zip(*every, strict=True)]}
-
-
 def _beside(told: Told) -> dict[str, list[Figure]]:
     (_, cases), *others = told.items()
     return {"all cases": figures(cases), **{name: judged(part) for name, part in others}}
@@ -77,31 +57,14 @@ def _beside(told: Told) -> dict[str, list[Figure]]:
 def _families(told: Told) -> dict[str, list[Figure]]:
     (_, cases), *others = told.items()
     columns: dict[str, list[Figure]] = {}
-    for family in families_of(cases):
-        columns[family] = figures(of_family(cases, family))
+    for family, own in by_family(cases).items():
+        columns[family] = figures(own)
         for name, part in others:
-            columns[f"{name}, {slug(family)}"] = judged(of_family(part, family))
+            columns[f"{name}, {slug(family)}"] = judged(by_family(part).get(family, []))
     return columns
 
 
 def _reliability(told: Told) -> Mapping[str, Sequence[Figure]]:
     (_, cases), *others = told.items()
-    columns = {slug(name): errors(of_family(cases, name)) for name in families_of(cases)}
+    columns = {slug(name): errors(own) for name, own in by_family(cases).items()}
     return {**columns, "all families": errors(cases), **{name: errors(part) for name, part in others}}
-
-
-def _difference(own: Figure, other: Figure) -> Figure:
-    """Return what the second figure has more, with the interval that two independent ones leave."""
-    n = min(own.n, other.n)
-    value = other.value - own.value
-    down = np.hypot(other.value - other.low, own.high - own.value)
-    up = np.hypot(other.high - other.value, own.value - own.low)
-    return Figure(own.name, value, float(value - down), float(value + up), n)
-
-
-def _range(rows: Sequence[Figure]) -> Figure:
-    """Return the largest less the least of the families' figures, its interval that of these two."""
-    told = sorted((row for row in rows if row.n), key=lambda row: row.value)
-    if len(told) < 2:
-        return Figure(rows[0].name, np.nan, np.nan, np.nan, 0)
-    return _difference(told[0], told[-1])

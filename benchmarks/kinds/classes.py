@@ -101,10 +101,6 @@ def log_complaint(problem: Any, log: Path, solution: Solution, least: Fraction) 
     return f"proof: accepted for {report.bound}" if Fraction(report.bound) > least * (1 + ROUNDING) else ""
 
 
-def _wide(rng: Generator) -> Problem:
-    return wide_problem(rng)
-
-
 def _hyperplanes(rng: Generator) -> Problem:
     return wide_problem(rng, split="hyperplane")
 
@@ -116,10 +112,6 @@ def _missing(rng: Generator) -> Problem:
 def _sized(rng: Generator) -> Problem:
     problem = sized_problem(rng)
     return with_missing(rng, problem) if rng.random() < 0.2 else problem
-
-
-def _lines(rng: Generator) -> Problem:
-    return sized_lines(rng)
 
 
 def _two_features(rng: Generator) -> Problem:
@@ -187,12 +179,12 @@ AXIS = {"exact": 1.0, "search": 0.6, "cart": 0.3, "oct": 0.12, "flow": 0.12, "be
 HYPERPLANE = {"exact": 1.0, "search": 0.6, "oct_h": 0.15}
 """Share of the problems that each solver is asked: those on HiGHS take a hundred times as long as the others."""
 
-AXIS_KIND = Classes(5, _wide, AXIS)
+AXIS_KIND = Classes(5, wide_problem, AXIS)
 HYPERPLANE_KIND = Classes(3, _hyperplanes, HYPERPLANE)
 MISSING = {"exact": 1.0, "search": 0.5, "cart": 0.3, "oct": 0.05, "flow": 0.05, "benders": 0.05}
 MISSING_KIND = Classes(7, _missing, MISSING, 0.5)
 SIZED_KIND = Classes(11, _sized, {"exact": 1.0, "search": 0.3, "cart": 0.3}, 0.3)
-LINES_KIND = Classes(13, _lines, {"exact": 1.0}, 0.1)
+LINES_KIND = Classes(13, sized_lines, {"exact": 1.0}, 0.1)
 TWO_FEATURES = {"exact": 1.0, "search": 0.3, "flow": 0.05, "oct_h": 0.05}
 TWO_FEATURE_KIND = Classes(60, _two_features, TWO_FEATURES, 0.4, is_proven=True)
 PLANES_KIND = Planes(67, random_planes, {"search": 1.0, "oct_h": 0.2, "flow": 0.2}, 0.1, ())

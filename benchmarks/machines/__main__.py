@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.figure import Figure, area, share, statistic, table
+from benchmarks.figure import Figure, area, share, statistic, table, tenth
 from benchmarks.machines.bare import bare_figures, of_its_twin
 from benchmarks.machines.draws import Key, seal
 from benchmarks.machines.frame import FRAME
@@ -121,7 +121,7 @@ def figures(cases: Sequence[tuple[Said, Key]]) -> list[Figure]:
         share("90 % intervals that hold the size", [hit for s, k in right for hit in inside(s, k)], (0.86, 0.94)),
         share("`closed` above 1", [s.closed > 1.0 for s, _ in cases if s.closed is not None], (-INFINITY, 0.0)),
         statistic("closed at a new load, median", new, np.median, (0.97, INFINITY)),
-        statistic("worst tenth", new, lambda v: np.quantile(v, 0.1), (0.85, INFINITY)),
+        statistic("worst tenth", new, tenth, (0.85, INFINITY)),
         share("run doubted", [bool(said.doubts) for said, _ in cases], (-INFINITY, 0.0)),
         statistic("CPU seconds", [said.seconds for said, _ in cases], np.median),
         statistic("calls of the twin", [said.calls for said, _ in cases], np.median, (-INFINITY, 150.0)),

@@ -1,10 +1,12 @@
 """The steel beam on a clamp and one support: two frequencies of each decay say where the support is.
 
-The twin is an Euler-Bernoulli beam of cubic elements on a clamp that turns a little and on a pinned support, with the
-two sensors as masses. Its modulus, clamp and masses are fitted to the commissioning and practice stretches.
+`python -m benchmarks.real.beam --data FOLDER` judges each stretch whose truth is told without itself. The twin is an
+Euler-Bernoulli beam of cubic elements on a clamp that turns a little and on a pinned support, with the two sensors as
+masses. Its modulus, clamp and masses are fitted to the commissioning and practice stretches.
 """
 
-from collections.abc import Mapping, Sequence
+import argparse
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -16,11 +18,9 @@ from scipy.linalg import eigh
 from scipy.optimize import least_squares
 from scipy.signal import medfilt
 
-from benchmarks.real.answer import Answer
-from benchmarks.real.by_diagnosis import COUNT, UNKNOWN, Named, asked, said
 from benchmarks.real.decay import decay_of
 from femlib.arrays import FloatArray
-from octmip.gap import Diagnosis, Odds
+from octmip.gap import Diagnosis, Odds, Recorded, diagnose, gathered
 from octmip.gap.doors.function import FunctionTwin, function_twin
 from octmip.twin import Loads
 
@@ -51,6 +51,9 @@ SAME_SERIES = 0.4
 """Share of that error's variance that belongs to one series alone: the support was placed anew, weeks apart."""
 PLACED = 0.02
 """Variance of what a told place teaches, over that of the twin's error: places are told in whole millimetres."""
+LEAST = 1e-3
+"""Probability that the truth has at least in the mean of logarithms."""
+Causes = frozenset[str]
 READINGS = {"log_f1": "1", "log_f2": "1"}
 START = np.array([200.0, 4.0, 0.03, 0.01])
 START_SD = np.array([15.0, 1.0, 0.03, 0.02])
@@ -199,11 +202,10 @@ def learn(sound: Sequence[Stretch], told: Sequence[tuple[float, Stretch]]) -> Kn
     )
 
 
-PLACES = {"support_moved": "support", "mass_added": f"{SENSORS[1] * 1000:.0f}", "clamp_loose": "clamp"}
-"""Of kinds that are not those of the whole beam."""
 COMMON = 134.0
 """How many times as probable it is that the support has moved as anything else."""
-ODDS = Odds(COUNT, UNKNOWN, effects={"support_moved": COMMON})
+ODDS = Odds((0.30, 0.45, 0.20), (0.03, 0.01, 0.002), effects={"support_moved": COMMON})
+"""Of no, one and two effects; of something unknown alone and beside one or two."""
 KNOWN_TO = (0.03, 0.06)
 """Relative error of what the support changes in each frequency: the twin is corrected at places that were told."""
 
@@ -220,42 +222,23 @@ class Placed:
         return getattr(self.own, name)
 
 
-def diagnosis_of(log: FloatArray, sd: FloatArray, series: str, known: Knowledge) -> Diagnosis:
-    """Return what two frequencies say, one of which may be missing."""
-    twin = known.twin_in(series)
-    noise = np.hypot(LEAST_SCATTER, np.nan_to_num(sd, posinf=1.0)).tolist()
+def diagnosis_of(stretch: Stretch, known: Knowledge) -> Diagnosis:
+    """Return what the two frequencies of a stretch say; each stretch of the sound state is a test of the run."""
+    twin = known.twin_in(stretch.series)
+    noise = np.hypot(LEAST_SCATTER, np.nan_to_num(stretch.sd, posinf=1.0)).tolist()
     effects = {**twin.effects, "support_moved": Placed(twin.effects["support_moved"])}
-    return asked(log, known.tests, twin, noise, ODDS, effects)
+    run = gathered(twin, [Recorded(one, {}, f"sound_{k}") for k, one in enumerate(known.tests)])
+    named = dict(zip(twin.gauges, noise, strict=True))
+    return diagnose(gathered(twin, [Recorded(stretch.log)]), twin, effects, run, noise_sd=named, odds=ODDS)
 
 
-def answer(stretch: Stretch, known: Knowledge) -> Answer:
-    """Return what a stretch says, and how far its first cause, sized by one frequency, closes the gap of the other."""
-    ranges = known.twin.card.ranges
-
-    def named(kind: str) -> Named:
-        return Named(kind, PLACES.get(kind, "beam"), ranges[kind].unit)
-
-    judged = said(diagnosis_of(stretch.log, stretch.sd, stretch.series, known), named)
-    closed, first = None, judged[0].causes
-    if first and first[0].kind != "unknown" and np.isfinite(stretch.log).all():
-        half = np.array([stretch.log[0], np.nan])
-        alone = said(diagnosis_of(half, stretch.sd, stretch.series, known), named)
-        same = next((one for one in alone if one.causes == first), judged[0])
-        twin = known.twin_in(stretch.series)
-        sizes = {cause.kind: float(size) for cause, size in zip(same.causes, same.sizes[:, 0], strict=True)}
-        change = float((twin.ask({}, NO_LOAD, sizes) - twin.ask({}, NO_LOAD, {}))[1])
-        gap = float(stretch.log[1] - known.sound[1])
-        closed = max(0.0, 1.0 - (gap - change) ** 2 / gap**2)
-    return Answer(stretch.case, judged, closed, "closed: the second frequency, with the size from the first")
-
-
-def knowledge_of(folder: Path) -> tuple[Knowledge, list[Stretch]]:
-    """Return what commissioning and practice teach, and all stretches."""
-    tests = pd.read_csv(folder / "tests.csv")
-    stretches = {
-        case: read_stretch(folder, case, series) for case, series in zip(tests.segment, tests.series, strict=True)
-    }
-    return learn_from(folder, stretches), list(stretches.values())
+def shares_of(found: Diagnosis) -> dict[Causes, float]:
+    """Return the probability of each set of causes."""
+    shares: dict[Causes, float] = {}
+    for one in found.posterior.judged:
+        causes = frozenset({"unknown"} if one.has_unknown else one.effects)
+        shares[causes] = shares.get(causes, 0.0) + one.probability
+    return shares
 
 
 def learn_from(folder: Path, stretches: Mapping[str, Stretch], without: str = "") -> Knowledge:
@@ -271,8 +254,37 @@ def learn_from(folder: Path, stretches: Mapping[str, Stretch], without: str = ""
     return learn(sound, told)
 
 
-def answers(folder: Path) -> list[Answer]:
-    """Return the answer of every blind stretch."""
-    known, stretches = knowledge_of(folder)
-    tests = pd.read_csv(folder / "tests.csv").set_index("segment")
-    return [answer(one, known) for one in stretches if tests.role[one.case] == "blind"]
+def told_stretches(folder: Path) -> Iterator[tuple[str, Causes, Diagnosis]]:
+    """Yield every practice and commissioning stretch, what acted, and its diagnosis without itself."""
+    tests = pd.read_csv(folder / "tests.csv", index_col="segment")
+    practice = pd.read_csv(folder / "practice.csv", index_col="segment")
+    chosen = tests[tests.role != "blind"]
+    stretches = {str(case): read_stretch(folder, str(case), str(one)) for case, one in chosen.series.items()}
+    for case, stretch in stretches.items():
+        acted = case in practice.index and practice.condition[case] != "sound"
+        truth = frozenset({"support_moved"} if acted else ())
+        yield case, truth, diagnosis_of(stretch, learn_from(folder, stretches, case))
+
+
+def summary(told: Sequence[tuple[Causes, Mapping[Causes, float]]]) -> str:
+    """Return how many first causes are the truth, and the mean log probability of the truth."""
+    right = sum(max(shares, key=lambda causes: shares[causes]) == truth for truth, shares in told)
+    log = np.mean([np.log(max(shares.get(truth, 0.0), LEAST)) for truth, shares in told])
+    return f"the truth is first in {right} of {len(told)}, its mean log probability {log:.2f}"
+
+
+def main() -> None:
+    """Print a line for each stretch that is told, then what all sum to."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.real.beam", description=__doc__)
+    parser.add_argument("--data", type=Path, required=True, help="folder of the set")
+    told = []
+    for case, truth, found in told_stretches(parser.parse_args().data):
+        shares = shares_of(found)
+        sizes = ", ".join(f"{p.size:.1f} ({p.low:.1f} to {p.high:.1f}) {p.unit}" for p in found.which[0].parameters)
+        print(f"{case} {', '.join(truth) or 'sound'}: {shares.get(truth, 0.0):.3f} {sizes}")
+        told.append((truth, shares))
+    print(summary(told))
+
+
+if __name__ == "__main__":
+    main()

@@ -8,6 +8,7 @@ proportion. Heavy masses are held out.
 `python -m benchmarks.real.pazy [--picture FILE]` prints the tables of docs/gap/pazy.md.
 """
 
+import argparse
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -16,10 +17,10 @@ import numpy as np
 
 from benchmarks.data import SHARED
 from benchmarks.main_program import run_main
-from benchmarks.real.telling import picture_path, show_causes
 from femlib.arrays import FloatArray
 from octmip.gap import CHAIN, Campaign, Diagnosis, diagnose
-from octmip.interfaces.report.diagnosis.phrases import size_words
+from octmip.interfaces.report.diagnosis.phrases import cause_words, likely, size_words
+from octmip.interfaces.report.diagnosis.recommendation import recommend
 from octmip.twin import Effect, State, Twin
 
 DATA = SHARED / "pazy"
@@ -178,11 +179,29 @@ def picture(path: str) -> None:
     plt.close(figure)
 
 
+def show_causes(found: Diagnosis) -> None:
+    """Print verdict, causes of more than 2 %, inclusion of more than 5 %, chi-squared, the held-out share."""
+    print(recommend(found).replace("microstrain", "mm"))
+    for cause in found.which:
+        if cause.probability > 0.02:
+            print(f"  {likely(cause.probability):>12}  {cause_words(cause)}")
+    print("  among the causes:", {name: round(p, 3) for name, p in found.inclusion.items() if p > 0.05})
+    closing = found.shrinkage
+    if closing is not None:
+        print(
+            f"  chi-squared per reading {closing.chi2_before:.3g} -> {closing.chi2_after:.3g}, chance of the rest "
+            f"{closing.p_after:.2g}"
+        )
+        print(f"  held out: {closing.before:.1f} -> {closing.after:.1f}, closed {closing.closed:.3f}")
+
+
 def main() -> None:
     """Print the causes and the held-out gaps, and draw."""
-    path = picture_path(__doc__)
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.real.pazy", description=__doc__)
+    parser.add_argument("--picture", metavar="FILE.png")
+    path = parser.parse_args().picture
     found = diagnosis()
-    show_causes(found, "mm")
+    show_causes(found)
     for size in found.which[0].parameters:
         print(f"  {size_words(size)}")
     print("| fitted up to | rms gap beyond | closed |\n|---|---|---|")

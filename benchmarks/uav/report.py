@@ -1,9 +1,7 @@
 """Writes `results/uav/`: table.md, table.json, pictures (SVG and PNG) and run.json, each whole or not at all."""
 
 import json
-import os
 import platform
-import subprocess
 from collections.abc import Sequence
 from importlib.metadata import version
 from io import BytesIO
@@ -12,6 +10,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
+from benchmarks.context import context
 from benchmarks.uav.pictures import strain_picture, wing_picture
 from benchmarks.uav.study import LABELS, Outcome, pick, problem_of
 from benchmarks.uav.tables import answers, text_of
@@ -87,27 +86,10 @@ def _run(data: Dataset, outcomes: Sequence[Outcome], seconds: float) -> dict[str
         "seconds": seconds,
         "seconds_limit": {outcome.cell.method: outcome.cell.seconds for outcome in outcomes},
         "threads_of_each_solve": 1,
-        "python": platform.python_version(),
-        "machine": {"system": platform.platform(), "processor": _processor(), "cores": os.cpu_count()},
+        "system": platform.platform(),
         "versions": {package: version(package) for package in PACKAGES},
-        "commit": _commit(),
+        **context(),
     }
-
-
-def _processor() -> str:
-    cpuinfo = Path("/proc/cpuinfo")
-    lines = cpuinfo.read_text().splitlines() if cpuinfo.exists() else []
-    return next(
-        (line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), platform.processor()
-    )
-
-
-def _commit() -> str | None:
-    try:
-        result = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, check=True)
-    except (OSError, subprocess.CalledProcessError):
-        return None  # not a clone: the versions above say what ran
-    return result.stdout.strip()
 
 
 def _json(content: object) -> bytes:

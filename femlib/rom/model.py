@@ -68,15 +68,8 @@ class ReducedModel:
     --------
     >>> import scipy
     >>> from femlib.rom import reduce_structure
-    >>> import meshio
-    >>> from femlib.material import isotropic_plate
-    >>> from femlib.structure import Structure
-    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
-    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
-    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
-    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
-    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0)
-    >>> full = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> from femlib.structure.example import clamped_strip
+    >>> full = clamped_strip()
     >>> load, rows = full.point_load("tip", (0.0, 0.0, 100.0)), scipy.sparse.csr_array(np.eye(1, 60, 56))  # z of a tip
     >>> model = reduce_structure(full.damaged, load, rows, ["tip"])
     >>> model.parameters, model.outputs, bool(model.error_bound([[0.5]]).max() < 1e-6)

@@ -128,15 +128,8 @@ def reduce_structure(
     Examples
     --------
     >>> import scipy
-    >>> import meshio
-    >>> from femlib.material import isotropic_plate
-    >>> from femlib.structure import Structure
-    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
-    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
-    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
-    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
-    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0)
-    >>> full = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> from femlib.structure.example import clamped_strip
+    >>> full = clamped_strip()
     >>> load, rows = full.point_load("tip", (0.0, 0.0, 100.0)), scipy.sparse.csr_array(np.eye(1, 60, 56))  # z of a tip
     >>> model = reduce_structure(full.damaged, load, rows, ["tip"])
     >>> (1e3 * model.solve([[0.0], [0.5]])).round(2).ravel().tolist()  # [mm]
@@ -154,15 +147,8 @@ def reduce_ports(exact: PortFlexibility, settings: ReductionSettings | None = No
 
     >>> import scipy
     >>> from femlib.components import port_flexibility
-    >>> import meshio
-    >>> from femlib.material import isotropic_plate
-    >>> from femlib.structure import Structure
-    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
-    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
-    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
-    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
-    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0)
-    >>> full = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> from femlib.structure.example import clamped_strip
+    >>> full = clamped_strip()
     >>> load, rows = full.point_load("tip", (0.0, 0.0, 100.0)), scipy.sparse.csr_array(np.eye(1, 60, 56))  # z of a tip
     >>> model = reduce_ports(port_flexibility(full.damaged, load, rows, ["tip"]))
     >>> (1e3 * model.solve([[0.0], [0.5]])).round(2).ravel().tolist()  # [mm]

@@ -65,15 +65,8 @@ class ReducedModes:
 
     Examples
     --------
-    >>> import meshio
-    >>> from femlib.material import isotropic_plate
-    >>> from femlib.structure import Structure
-    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
-    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
-    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
-    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
-    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0)
-    >>> full = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> from femlib.structure.example import clamped_strip
+    >>> full = clamped_strip()
     >>> model = reduce_modes(full.damaged, full.built.mass(), n_modes=1)
     >>> low, high = model.lower_bounds([[0.5]]), model.frequencies([[0.5]])
     >>> model.n_modes, bool(0.99 * high < low <= high)
@@ -177,15 +170,8 @@ def reduce_modes(
 
     Examples
     --------
-    >>> import meshio
-    >>> from femlib.material import isotropic_plate
-    >>> from femlib.structure import Structure
-    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
-    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
-    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
-    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
-    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0)
-    >>> full = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> from femlib.structure.example import clamped_strip
+    >>> full = clamped_strip()
     >>> model = reduce_modes(full.damaged, full.built.mass(), n_modes=1)
     >>> model.frequencies([[0.0], [0.5]]).round(2).ravel().tolist()  # [Hz]
     [2.59, 1.99]

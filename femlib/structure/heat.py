@@ -46,15 +46,8 @@ class Heated:
 
     Examples
     --------
-    >>> import meshio
-    >>> from femlib.material import isotropic_plate
-    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
-    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
-    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
-    >>> from femlib import read
-    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
-    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
-    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> from femlib.structure.example import clamped_strip
+    >>> structure = clamped_strip()
     >>> warm = heated(structure, {"strip": (10.0, 0.0)}, strain_limit=0.1)
     >>> warm.displacements.shape, bool(warm.displacements.error < 0.03)
     ((10, 6), True)
@@ -102,15 +95,8 @@ def heated(
 
     Examples
     --------
-    >>> import meshio
-    >>> from femlib.material import isotropic_plate
-    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
-    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
-    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
-    >>> from femlib import read
-    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
-    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
-    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> from femlib.structure.example import clamped_strip
+    >>> structure = clamped_strip()
     >>> warm = heated(structure, {"strip": (10.0, 0.0)}, strain_limit=0.1)
     >>> round(1e3 * float(warm.displacements[-1, 0]), 3)  # 4 m, 10 K, 2e-5 1/K [mm]
     0.799
@@ -148,15 +134,8 @@ def thermal_buckling(
 
     Parameters and errors are those of `heated` and `femlib.assembly.buckling_modes`.
 
-    >>> import meshio
-    >>> from femlib.material import isotropic_plate
-    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
-    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
-    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
-    >>> from femlib import read
-    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
-    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
-    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped", "tip": "clamped"}, damage=["root"])
+    >>> from femlib.structure.example import clamped_strip
+    >>> structure = clamped_strip("foot", "tip")
     >>> round(thermal_buckling(structure, {"strip": (1.0, 0.0)}, limit=1.0)[0].factor, 1)  # K
     24.9
     """

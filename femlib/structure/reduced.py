@@ -29,16 +29,9 @@ class ReducedStructure:
 
     Examples
     --------
-    >>> import meshio
     >>> from femlib.sensors import StrainGauge
-    >>> from femlib.material import isotropic_plate
-    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
-    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
-    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
-    >>> from femlib import read
-    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
-    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
-    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> from femlib.structure.example import clamped_strip
+    >>> structure = clamped_strip()
     >>> gauge = StrainGauge("g1", (0.5, 0.5, 0.0), (1, 0, 0), ("strip",))
     >>> twin = reduce(structure, structure.point_load("tip", (0.0, 0.0, 100.0)), [gauge], gauge_limit=0.2)
     >>> twin.parameters, twin.error_bound([[0.5]], load_factor=1.0).round(6).tolist()
@@ -144,16 +137,9 @@ def reduce(
 
     Examples
     --------
-    >>> import meshio
     >>> from femlib.sensors import StrainGauge
-    >>> from femlib.material import isotropic_plate
-    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
-    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
-    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
-    >>> from femlib import read
-    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
-    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
-    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> from femlib.structure.example import clamped_strip
+    >>> structure = clamped_strip()
     >>> load = structure.point_load("tip", (0.0, 0.0, 100.0))
     >>> twin = reduce(structure, load, [StrainGauge("g1", (0.5, 0.5, 0.0), (1, 0, 0), ("strip",))], gauge_limit=0.2)
     >>> [twin.predict(state, load_factor=2.0).round(2).tolist() for state in ({}, {"root": 0.5})]

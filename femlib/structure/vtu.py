@@ -26,14 +26,8 @@ def write_vtu(structure: Structure, path: str | Path, state: Mapping[str, float]
     Examples
     --------
     >>> import meshio
-    >>> from femlib.material import isotropic_plate
-    >>> points = [[x, y, 0] for x in range(5) for y in range(2)]
-    >>> quads = [[k, k + 2, k + 3, k + 1] for k in (0, 2, 4, 6)]
-    >>> sets = {"cell_sets": {"strip": [[0, 1, 2, 3]], "root": [[0]]}, "point_sets": {"foot": [0, 1], "tip": [8, 9]}}
-    >>> from femlib import read
-    >>> mesh = read(meshio.Mesh(points, [("quad", quads)], **sets))
-    >>> plate = isotropic_plate(70e9, 0.0, 0.05, 2700.0, expansion=2e-5)
-    >>> structure = Structure(mesh, {"strip": plate}, {"foot": "clamped"}, damage=["root"])
+    >>> from femlib.structure.example import clamped_strip
+    >>> structure = clamped_strip()
     >>> write_vtu(structure, "moved.vtu", {"root": 0.5}, structure.point_load("tip", (0.0, 0.0, 100.0)))
     >>> sorted(meshio.read("moved.vtu").point_data)
     ['displacement_m', 'rotation_rad']

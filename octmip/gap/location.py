@@ -222,7 +222,7 @@ DRAWS = 200
 """Simulated readings for each real one's cell."""
 
 
-def flips(model: LinearModel, tree: Node, feature_names: Sequence[str], seed: int = 0) -> tuple[Flip, ...]:
+def flips(model: LinearModel, tree: Node, feature_names: Sequence[str]) -> tuple[Flip, ...]:
     """Return the nodes, greatest share of flipped decisions first.
 
     Parameters
@@ -233,8 +233,6 @@ def flips(model: LinearModel, tree: Node, feature_names: Sequence[str], seed: in
         a tree whose features are gauges, in microstrain per unit of load factor.
     feature_names
         names of the features.
-    seed
-        of the simulated noise.
 
     Raises
     ------
@@ -248,7 +246,7 @@ def flips(model: LinearModel, tree: Node, feature_names: Sequence[str], seed: in
             f"the tree reads {missing[0]!r}, which is no gauge of the campaign; expected gauges {gauges[:3]}..."
         )
     order = [gauges.index(name) if name in gauges else -1 for name in feature_names]
-    real, simulated = _readings(model, order, np.random.default_rng(seed))
+    real, simulated = _readings(model, order, np.random.default_rng(0))
     found = _flips(tree, "", real, simulated, feature_names, max(len(real), 1))
     return tuple(sorted(found, key=lambda flip: -flip.share))
 

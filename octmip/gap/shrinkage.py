@@ -108,7 +108,7 @@ class _Left:
         return HeldOut(name, _rms(self.before, self.noise), _rms(self.after, self.noise), closed)
 
 
-def measure_shrinkage(inference: Inference, members: Sequence[int], seed: int = 0) -> Shrinkage:
+def measure_shrinkage(inference: Inference, members: Sequence[int]) -> Shrinkage:
     """Return how far the candidates `members` close the gap, the interval by a parametric bootstrap of the noise."""
     model, chosen = inference.model, tuple(members)
     allowing, own = inference.allowing(chosen).model, inference.fit(chosen)
@@ -120,7 +120,7 @@ def measure_shrinkage(inference: Inference, members: Sequence[int], seed: int = 
     residuals = np.concatenate([np.zeros((2, 0)), *(_residuals(model, chosen, part) for part in held)], axis=1)
     before, after = residuals / scale[rows]
     whole = _Left(before, after, (np.diag(shared) / scale**2)[rows], (floor / scale**2)[rows])
-    closed, low, high = _closed(whole, _drawn(shared / np.outer(scale, scale), seed)[:, rows])
+    closed, low, high = _closed(whole, _drawn(shared / np.outer(scale, scale))[:, rows])
     remaining = allowing.rest(chosen, own.size)
     return Shrinkage(
         before=_rms(whole.before, whole.noise),
@@ -203,10 +203,10 @@ def _rms(left: Floats, noise: Floats) -> float:
     return float(np.sqrt(np.maximum(0.0, _square(left, noise))))
 
 
-def _drawn(covariance: Floats, seed: int) -> Floats:
+def _drawn(covariance: Floats) -> Floats:
     """Return draws (DRAWS, n) of noise: what wanders moves many means together."""
     values, vectors = np.linalg.eigh(covariance)
-    normal = np.random.default_rng(seed).standard_normal((DRAWS, len(covariance)))
+    normal = np.random.default_rng(0).standard_normal((DRAWS, len(covariance)))
     return np.asarray((normal * np.sqrt(np.maximum(values, 0.0))) @ vectors.T)
 
 

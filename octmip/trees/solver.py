@@ -348,7 +348,7 @@ def _starts_less_deep(problem: Problem, name: str) -> bool:
     return is_in_order and problem.shape.depth > PROVEN_IN_ORDER
 
 
-def _first_tree(call: Call, name: str, tree: Node | None = None, share: float = SEARCH_SHARE) -> Solution:
+def _first_tree(call: Call, name: str, share: float = SEARCH_SHARE) -> Solution:
     """Return the tree that a proof starts from: the best axis-aligned one for boxes of lines, else one of search."""
     if solvers_of(call.problem)[name] is TWO_FEATURE:
         # A few milliseconds; without it a proof that is stopped while it lays out its tables has next to nothing.
@@ -368,7 +368,7 @@ def _first_tree(call: Call, name: str, tree: Node | None = None, share: float = 
     options = SearchOptions(cluster=call.run.options.cluster)
     if share < 1.0:  # a proof follows; where it has ended, all the time that is left is the search's
         options = replace(options, restarts=1 if call.problem.shape.depth <= EXACT.alone_to_depth else FIRST_RESTARTS)
-    return call.solve("search", tree, share=share, options=options)
+    return call.solve("search", None, share=share, options=options)
 
 
 def _solved(call: Call, name: str, first: Solution | None) -> Solution:

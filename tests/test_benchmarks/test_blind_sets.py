@@ -14,7 +14,7 @@ from benchmarks.blind.noises import GROWN, NOISES
 from benchmarks.blind.sealing import facts
 from benchmarks.blind.singles import singles
 from benchmarks.blind.truths import SINGLES
-from benchmarks.cases.gap import noise as gap_noise
+from benchmarks.cases import gap_noise
 from benchmarks.ccx import has_ccx
 from benchmarks.noises import VARIANCE
 

@@ -1,6 +1,6 @@
 """The shells' benchmark cases at sizes that take a second: their lines and their tables."""
 
-from benchmarks.cases.fem import shells as fem_shells
+from benchmarks.cases import fem_shells
 from benchmarks.shells.case import DIAGONALS
 from benchmarks.shells.problems import CONVERGING, STRIPS
 

@@ -1,6 +1,5 @@
 """Short kills and a short soak: the long ones are the families `fuzz_kills`, `fuzz_workers` and `soak --limit 1800`."""
 
-import numpy as np
 import pytest
 
 from benchmarks.cases.fuzz import kills, soak, workers
@@ -24,11 +23,6 @@ def test_half_a_file_would_be_seen(monkeypatch):
 def test_a_killed_worker_costs_no_answer(monkeypatch):
     line = workers.kill_workers(0, 1)
     assert (line["solves"], line["bad"], line["kills"] >= 1) == (1, 0, True)
-
-
-@pytest.mark.parametrize("kind", [kind for kind in soak.KINDS if kind not in (soak.mixed_integer, soak.searched)])
-def test_each_kind_of_the_soak_is_certified(kind):
-    kind(np.random.default_rng(1))
 
 
 def test_growth_compares_the_last_fifth_with_the_second():

@@ -16,6 +16,7 @@ from femlib.wing.effects import wing_effects
 from femlib.wing.effects.damage_outside_library import damage_zones
 from femlib.wing.effects.planform import MANUFACTURED
 from femlib.wing.effects.response import Response
+from femlib.wing.effects.root_flexibility import rolled
 from femlib.wing.effects.spar_skin_debond import web_edge
 from femlib.wing.model import reshaped
 from femlib.wing.planform import PLANFORM
@@ -34,6 +35,12 @@ INVISIBLE = {"root_flexibility"}
 def signature(name, load=3.0, place=None, state=STATE, time=1800.0):
     effect = EFFECTS[name]
     return effect.signature(TWIN, state, load, place=effect.places(TWIN)[0] if place is None else place, time=time)
+
+
+def test_a_mount_that_turns_moves_the_wing_as_a_rigid_body_with_its_tip_up():
+    turned, stiffness = rolled(WING), WING.structure.shells.stiffness()
+    assert np.abs(stiffness @ turned).max() < 1e-9 * (abs(stiffness) @ np.abs(turned)).max()
+    assert WING.tip_row() @ turned == pytest.approx(WING.span)
 
 
 @pytest.mark.parametrize("name", EFFECTS)

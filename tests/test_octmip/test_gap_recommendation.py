@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from octmip.gap import CHAIN, diagnose
+from octmip.gap import CHAIN, Recorded, diagnose, function_twin, gathered
 from octmip.gap.campaign.campaign import Fault
 from octmip.gap.causes import ConfoundedEffects
 from octmip.gap.effects.simple import SimpleEffect
@@ -238,3 +238,17 @@ def test_no_share_of_a_gap_is_above_one_or_below_nothing(gain, closed, low, high
     assert gain.shrinkage is not None
     changed: Shrinkage = dataclasses.replace(gain.shrinkage, closed=closed, low=low, high=high)
     assert end in closed_words(changed)
+
+
+def test_an_instrument_that_is_no_bridge_is_told_from_the_machine_by_a_second_one_beside_it():
+    rng = np.random.default_rng(5)
+    ranges = {"k": (10.0, 5.0, 14.0, "N/mm")}
+    spring = function_twin(lambda p, loads: [loads["f"] / p["k"], loads["f"]], {"a": "mm", "c": "N"}, ranges, ("f",))
+
+    def read(k):
+        rows = {f: np.array([f / k, f]) + 0.01 * rng.standard_normal((20, 2)) for f in (4.0, 8.0, 12.0)}
+        return gathered(spring, [Recorded(readings, {"f": f}) for f, readings in rows.items()])
+
+    found = diagnose(read(9.7), spring, commissioning=read(10.0))
+    assert set(found.which[0].names[0]) == {"k", "gauge_gain"}
+    assert [(test.name, test.gauge) for test in found.next_test] == [("second_instrument", "a")]

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.cases.gap.noise import Beam as Cantilever
-from benchmarks.cases.gap.noise import drawn
+from benchmarks.cases.gap_noise import Beam as Cantilever
+from benchmarks.cases.gap_noise import drawn
 from octmip.gap import diagnose
 from octmip.gap.campaign.noise import least_moment, moves_together, sizes
 from octmip.gap.campaign.noise_estimate import estimate_noise

@@ -8,7 +8,7 @@ import pytest
 import scipy.sparse as sp
 
 import octmip
-from benchmarks.cases.mio.random_problems import by_pyomo, judged
+from benchmarks.cases.mio_random import by_pyomo, judged
 from benchmarks.data import SHARED, first_rows, published, uci
 from benchmarks.outside import BY_PYOMO, DUAL_TOLERANCE, PACKAGES, PROGRAMS, is_installed, solve_file
 from octmip import ClassCosts, Leaf, Problem, Split, certify

@@ -183,7 +183,7 @@ def test_other_columns_are_those_that_lose_least_in_one_split():
 def test_each_search_of_another_column_has_an_equal_share_of_the_seconds(monkeypatch):
     given = []
 
-    def solved(problem, method, limits, progress):
+    def solved(problem, method, limits):
         given.append(limits.seconds)
         raise NoTreeError("none")
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from benchmarks.uav.mission.table_twin import between
 from femlib.wing import reduce_wing
 from femlib.wing.built import built_wing
 from femlib.wing.strength import wing_capability
@@ -34,13 +35,7 @@ class Capable:
 
     def bears(self, damage: Floats) -> Floats:
         """Return the load factors (n,) that damages (n, 2) leave."""
-        n = len(self.both)
-        place = np.clip(damage / STEP, 0.0, n - 1.0)
-        low = np.minimum(place.astype(np.intp), n - 2)
-        share = place - low
-        (i, j), (a, b) = low.T, share.T
-        near = (1 - b) * self.both[i, j] + b * self.both[i, j + 1]
-        return np.asarray((1 - a) * near + a * ((1 - b) * self.both[i + 1, j] + b * self.both[i + 1, j + 1]))
+        return between(self.both[..., None], damage / STEP)[:, 0]
 
     def fails(self, damage: Floats, load: Floats | float) -> Floats:
         """Return the probability (n,) that a manoeuvre at a load factor asks for more than a wing bears."""

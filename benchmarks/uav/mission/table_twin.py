@@ -21,6 +21,17 @@ STEP = 0.01
 """Step of the table that is read, damage as a fraction."""
 
 
+def between(table: Floats, places: Floats) -> Floats:
+    """Return the rows (n, n_columns) of a table (n1, n2, n_columns) at places (n, 2), linear along either axis."""
+    last = np.array(table.shape[:2]) - 1
+    place = np.clip(places, 0.0, last)
+    low = np.minimum(place.astype(np.intp), last - 1)
+    share = place - low
+    (i, j), (a, b) = low.T, (share[:, :1], share[:, 1:])
+    near, far = ((1 - b) * table[k, j] + b * table[k, j + 1] for k in (i, i + 1))
+    return np.asarray((1 - a) * near + a * far)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TableTwin:
     """The strains of a grid of states, at any state between them and any load.
@@ -64,14 +75,7 @@ class TableTwin:
 
     def predict_states(self, states: Floats, load_factor: float) -> Floats:
         """Return the strains (n_states, n_gauges) of damage fractions (n_states, 2); past the table, its last state."""
-        n1, n2, _ = self._fine.shape
-        place = np.clip(states / STEP, 0.0, [n1 - 1, n2 - 1])
-        low = np.minimum(place.astype(np.intp), [n1 - 2, n2 - 2])
-        share = place - low
-        (i, j), (a, b) = low.T, (share[:, :1], share[:, 1:])
-        near = (1 - b) * self._fine[i, j] + b * self._fine[i, j + 1]
-        far = (1 - b) * self._fine[i + 1, j] + b * self._fine[i + 1, j + 1]
-        return np.asarray(load_factor * ((1 - a) * near + a * far))
+        return load_factor * between(self._fine, states / STEP)
 
     def predict(self, state: Mapping[str, float], load_factor: float) -> Floats:
         """Return the strains (n_gauges,) in microstrain of a state of damage fractions, compressive positive."""

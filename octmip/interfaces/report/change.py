@@ -1,6 +1,5 @@
 """The page of an enriched monitor: what was found, where to inspect, which trees and splits changed, and the proofs."""
 
-import datetime
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -8,20 +7,18 @@ from octmip.interfaces.report.page import page_facts, render
 from octmip.interfaces.report.text import number, percent
 
 
-def change_page(change: Mapping[str, Any], made: datetime.date | None = None) -> str:
+def change_page(change: Mapping[str, Any]) -> str:
     """Return the HTML page of a change.
 
     Parameters
     ----------
     change
         the content of change.json, as `octmip monitor --deployed` writes it.
-    made
-        day of the page; today by default.
     """
     watch, trees = change["watch"], change["trees"]
     return render(
         "change.html",
-        facts=page_facts(change["readings"], None, made),
+        facts=page_facts(change["readings"]),
         added=change["added"],
         readings=change["readings"],
         deployed=change["deployed"],

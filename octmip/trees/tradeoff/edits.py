@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import NoTreeError, ProblemError
-from octmip.trees.answer.solution import Limits, ProgressCallback, Stop
+from octmip.trees.answer.solution import Limits, Stop
 from octmip.trees.nodes.tree import Node, Split, goes_left
 from octmip.trees.question.parts import address
 from octmip.trees.question.problem import Problem
@@ -62,9 +62,7 @@ def with_splits(problem: Problem, given: Mapping[str, object]) -> Problem:
     return problem.replace(fixed_splits=own | dict(given))
 
 
-def edit_prices(
-    problem: Problem, path: str, sensors: Iterable[str], end: float, progress: ProgressCallback | None = None
-) -> Iterator[EditPrice]:
+def edit_prices(problem: Problem, path: str, sensors: Iterable[str], end: float) -> Iterator[EditPrice]:
     """Yield what the best tree with each of these sensors at the node of a path costs.
 
     Each search gets an equal share of the time that is left until `end` of `time.perf_counter`, none once it is over.
@@ -78,7 +76,7 @@ def edit_prices(
             continue
         try:
             asked = with_splits(problem, {address(path): sensor})
-            found = solve(asked, "exact", Limits(seconds=seconds), progress=progress)
+            found = solve(asked, "exact", Limits(seconds=seconds))
             yield EditPrice(sensor, found.objective, found.bound, found.stop)
         except NoTreeError:
             yield EditPrice(sensor, math.inf, math.inf, Stop.OPTIMAL)

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from sklearn.tree import DecisionTreeRegressor
 
 from benchmarks.data import published
-from benchmarks.regression.samples import made_up
 from benchmarks.tables import Line
 from octmip.trees.answer.solution import Limits
 from octmip.trees.question.losses import number_loss
@@ -31,6 +30,14 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     for n in SIZES:
         features, targets = made_up(n)
         yield _line(f"made up, {n} x 10", features, targets, 2, "squared", limit)
+
+
+def made_up(n: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return samples of a tree of depth 2 with a slope and noise."""
+    rng = np.random.default_rng(0)
+    features = rng.normal(size=(n, 10))
+    inner = np.where(features[:, 0] > 0.3, 2.0 * (features[:, 1] > 0), features[:, 2] > -0.5)
+    return features, inner + 0.3 * features[:, 3] + rng.normal(size=n)
 
 
 def _line(

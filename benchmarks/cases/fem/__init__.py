@@ -1,1 +1,0 @@
-"""Finite elements, the reduced model and datasets."""

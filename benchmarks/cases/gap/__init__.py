@@ -1,1 +1,0 @@
-"""The gap's diagnosis: detection and speed."""

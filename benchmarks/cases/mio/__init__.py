@@ -1,1 +1,0 @@
-"""The mixed-integer formulations."""

@@ -1,1 +1,0 @@
-"""Regression trees: agreement with enumeration, and how long proofs take."""

@@ -1,1 +1,0 @@
-"""Proofs over splits of two features."""

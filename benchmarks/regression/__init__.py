@@ -1,1 +1,0 @@
-"""Regression trees: enumeration and random problems, speed beside others, agreement."""
