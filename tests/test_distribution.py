@@ -9,6 +9,8 @@ import pytest
 
 from tests.installed import ROOT, built, shared_folder
 
+pytestmark = pytest.mark.long
+
 
 def tracked(*patterns: str) -> set[str]:
     """Return the files that git tracks; the test is skipped outside a checkout."""

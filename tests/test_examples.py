@@ -60,7 +60,19 @@ def run_page(text: str, name: str) -> None:
             assert_output(printed, wanted, f"{name}: {source}" if is_command else name)
 
 
-@pytest.mark.long("structures/panel", "structures/tower", "examples/placement", "examples/budget", "howto/parts")
+@pytest.mark.long(
+    "structures/panel",
+    "structures/tower",
+    "examples/placement",
+    "examples/budget",
+    "howto/parts",
+    "docs/tutorial",
+    "examples/command",
+    "examples/choosing",
+    "howto/near-optimal",
+    "examples/wing-dataset",
+    "examples/scikit-learn",
+)
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: f"{page.parent.name}/{page.stem}")
 def test_every_example_prints_what_its_page_says(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

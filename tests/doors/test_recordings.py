@@ -82,7 +82,7 @@ def told(capsys, path, *words):
     return json.loads(capsys.readouterr().out)
 
 
-@pytest.mark.long("DataFlash", "lvm", "MCAP", "rosbag", "MAT", "TOA5", "UFF58", "miniSEED")
+@pytest.mark.long("DataFlash", "lvm", "MCAP", "rosbag", "MAT", "TOA5", "UFF58", "miniSEED", "ULog", "MDF")
 @pytest.mark.parametrize("form", FORMATS)
 def test_one_command_tells_of_each_format_what_the_table_of_the_same_truth_tells(form, at, first, capsys):
     name, _, places = FORMATS[form]
@@ -303,7 +303,7 @@ def test_matrices_of_mat_7_3_have_a_column_for_each_channel(at):
     assert opened["g/2"].values == pytest.approx(2 * time)
 
 
-@pytest.mark.long("MDF")
+@pytest.mark.long("MDF", "MCAP", "MAT")
 @pytest.mark.parametrize("form", FORMATS)
 def test_a_file_that_was_cut_is_read_as_far_as_it_goes_or_refused_in_one_sentence(form, at):
     name, _, places = FORMATS[form]

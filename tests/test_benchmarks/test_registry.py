@@ -24,6 +24,7 @@ needs_data = pytest.mark.skipif(
 )
 
 
+@pytest.mark.long("exact_uci")
 @needs_data
 @pytest.mark.parametrize("name", FAMILIES)
 def test_a_family_names_its_cases_or_yields_results(name):

@@ -16,6 +16,7 @@ def test_a_small_load_gives_the_linear_strains_of_a_damaged_wing(tiny: Wing) -> 
     assert found.strain_microstrain == pytest.approx(tiny.strain_microstrain(STATE, 1e-4), rel=1e-4, abs=1e-6)
 
 
+@pytest.mark.long
 def test_load_factor_three_relieves_tip_and_strain_as_two_independent_codes_found() -> None:
     """The other codes solved the tapered wing."""
     tiny = tapered_wing(refinement=0.25)

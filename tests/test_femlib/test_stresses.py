@@ -194,6 +194,7 @@ def test_strains_of_a_coarse_mesh_are_refused():
         coarse.stresses({}, coarse.line_load("right", (0.0, 0.0, 100.0)), strain_limit=0.001)
 
 
+@pytest.mark.long
 def test_a_warm_strip_has_no_stress_where_it_is_free_and_its_own_where_it_is_held():
     """alpha T of length, whatever is damaged; E alpha T between held ends; curvature alpha T'."""
     section = isotropic_plate(70e9, 0.0, 2e-3, expansion=23e-6, strength=yielding_at(250e6))

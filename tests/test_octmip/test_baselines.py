@@ -45,6 +45,7 @@ def test_numbers_have_no_classes_and_weights_leave_out_what_takes_none():
     assert "discriminant" not in baselines_of(IRIS.replace(weights=1 + Y))
 
 
+@pytest.mark.long("-0.001-1e-12")
 @pytest.mark.parametrize(("offset", "unit"), [(1e9, 1.0), (-1e-3, 1e-12)])
 def test_offset_and_unit_of_the_numbers_change_no_baseline_and_not_cart(offset, unit):
     rows = np.arange(40.0)[:, None]
@@ -70,6 +71,7 @@ def test_missing_readings_are_no_error():
         assert score_of(lacking, train(0)).errors < 20, name
 
 
+@pytest.mark.long("False")
 @pytest.mark.parametrize("as_json", [False, True])
 def test_the_command_shows_them_in_training_and_on_rows_held_out(as_json, tmp_path, capsys):
     from octmip.interfaces.cli import main

@@ -112,6 +112,7 @@ EVERY_KIND = [
 ]
 
 
+@pytest.mark.long("problem11-search")
 @pytest.mark.parametrize(("problem", "method"), EVERY_KIND)
 def test_what_has_ended_is_not_made_again(problem, method, tmp_path, monkeypatch):
     options = Options(checkpoint=tmp_path / "kept")

@@ -122,6 +122,7 @@ def test_one_seed_gives_one_choice_on_one_thread_and_on_two(of_iris):
     assert threads.choice.expectation == alone.choice.expectation
 
 
+@pytest.mark.long
 def test_rows_repeated_and_rows_weighed_are_chosen_for_alike():
     features, targets, weights = IRIS.samples.features[::3, 1:], IRIS.samples.targets[::3], RNG.integers(1, 3, 50)
     weighed = answer_of(Problem(features, targets, depth=1, weights=weights))
@@ -270,6 +271,7 @@ def test_a_simpler_tree_that_errs_on_the_same_rows_must_be_nearer_than_one_that_
         assert judged.best(Nearness(just * 0.999, is_paired=True)) == 0
 
 
+@pytest.mark.long
 def test_a_class_that_weighs_a_million_times_more_is_not_given_up_for_rows_of_the_other():
     # Rows of the heavy class that were held out are all right by both trees; the deeper one saves a few light ones.
     X = np.random.default_rng(0).normal(size=(60, 2))

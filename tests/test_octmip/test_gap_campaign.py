@@ -244,6 +244,7 @@ def test_what_may_be_real_is_read_with_a_warning(tmp_path, case):
     assert any(told in note for note in notes), notes
 
 
+@pytest.mark.long("6")
 @pytest.mark.parametrize("repeats", [3, 6])
 def test_few_repeats_raise_no_false_alarm(repeats):
     """Without shared degrees of freedom half of such runs were false alarms."""

@@ -38,6 +38,7 @@ def crossed(campaign, one, other):
     return replace(campaign, readings=readings)
 
 
+@pytest.mark.long("damaged", "warm")
 @pytest.mark.parametrize(
     ("run", "words"),
     [

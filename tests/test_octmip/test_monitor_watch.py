@@ -161,6 +161,7 @@ def placed(library) -> Watch:
     return Watch(library, places=np.column_stack([ETA, np.zeros(20)]))
 
 
+@pytest.mark.long
 def test_neighbours_that_begin_to_disagree_together_are_damage(placed, library):
     rng, found = np.random.default_rng(8), []
     for _ in range(20):
@@ -173,6 +174,7 @@ def test_neighbours_that_begin_to_disagree_together_are_damage(placed, library):
     assert "began to disagree together" in next(finding.words for finding in found if finding.together)
 
 
+@pytest.mark.long("10-True", "16-False")
 @pytest.mark.parametrize(("second", "places"), [(10, True), (16, True), (16, False)])
 def test_gauges_that_fail_one_by_one_are_each_named(placed, library, second, places):
     rng, named = np.random.default_rng(9), []

@@ -221,6 +221,7 @@ def at_work(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long("frontier", "report")
 @on_linux
 @pytest.mark.parametrize("command", ["solve", "frontier", "diagnose", "monitor", "report"])  # the benchmark asks all
 def test_a_command_ends_by_a_signal_at_a_random_moment(command: str, at_work: Path) -> None:
@@ -240,6 +241,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
+@pytest.mark.long("diagnose-600", "monitor-450")
 @on_linux
 @pytest.mark.parametrize(("command", "megabytes"), [("solve", 450), ("monitor", 450), ("diagnose", 600)])
 def test_a_process_that_gets_no_more_memory_has_its_result_or_one_sentence(

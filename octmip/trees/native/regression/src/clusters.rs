@@ -286,7 +286,7 @@ mod tests {
     #[test]
     fn neither_bound_is_above_the_best_clusters_and_both_meet_them_where_each_bin_is_one_target() {
         let (mut n_met, mut n_many) = (0, 0);
-        for seed in 0..4000 {
+        for seed in 0..1000 {
             let rng = &mut fastrand::Rng::with_seed(seed);
             let n = rng.usize(2..48);
             let all = targets(rng, n);
@@ -331,7 +331,7 @@ mod tests {
                 }
             }
         }
-        assert!(n_met > 20_000 && n_many > 20_000, "{n_met} and {n_many} bounds");
+        assert!(n_met > 5_000 && n_many > 5_000, "{n_met} and {n_many} bounds");
     }
 
     fn question(targets: &[f64], weights: &[f64], slopes: Option<(i64, i64)>) -> RegressionQuestion {
