@@ -17,7 +17,7 @@ from octmip.gap import function_twin
 from octmip.gap.doors import open_twin
 from octmip.interfaces.cli import main
 from octmip.recordings import Window, averages_of, campaign_of, recording
-from tests.doors.recorded import CHANNELS, FORMATS, GAUGES, RATE, as_csv, truth
+from tests.doors.recorded import CHANNELS, FORMATS, GAUGES, RATE, STEPS, WAYS, as_csv, truth
 
 pytestmark = pytest.mark.filterwarnings("ignore:SelectableGroups dict interface")  # of obspy
 LOAD_UNITS = {"force": "N", "moment": "N m"}
@@ -154,6 +154,15 @@ def test_times_in_the_index_of_pandas_are_times(form, name, at, twin):
     tables = (averages_of(recording(file), twin).table.frame for file in (f"run.{form}", "plain.csv"))
     found, right = (table.drop(columns="test") for table in tables)
     pd.testing.assert_frame_equal(found, right, rtol=1e-9)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_times_and_numbers_are_found_as_programs_write_them(way, tmp_path):
+    name, write, channel = WAYS[way]
+    write(tmp_path / name)
+    found = recording(tmp_path / name)[channel]
+    assert found.time == pytest.approx(0.1 * STEPS)
+    assert found.values == pytest.approx(STEPS)
 
 
 def test_channels_of_two_rates_are_averaged_each_at_its_own(at, twin):
