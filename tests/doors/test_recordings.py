@@ -165,6 +165,13 @@ def test_times_and_numbers_are_found_as_programs_write_them(way, tmp_path):
     assert found.values == pytest.approx(STEPS)
 
 
+def test_a_file_may_have_the_name_of_a_statistic(at, twin):
+    Path("run.tdms").rename("max.tdms")
+    found = campaign_of(averages_of(recording("max.tdms"), twin, load_units=LOAD_UNITS), twin)
+    Path("max.tdms").rename("run.tdms")
+    assert set(found.test) == {"max.tdms"}
+
+
 def test_channels_of_two_rates_are_averaged_each_at_its_own(at, twin):
     from nptdms import ChannelObject, TdmsWriter
 
@@ -215,6 +222,12 @@ def test_samples_of_tdms_keep_the_start_of_their_segment_and_other_scales_are_re
             file.write_segment([ChannelObject("Beam", "g1", np.ones(5), scale | {"wf_start_offset": 0.0})])
     with pytest.raises(DataError, match="channel 'g1' is scaled anew within the file"):
         recording("scaled.tdms")["Beam/g1"]
+    with TdmsWriter("bare.tdms") as file:
+        for name, start in (("g1", {"wf_start_time": stamps[0]}), ("g2", {})):
+            file.write_segment([ChannelObject("Beam", name, np.arange(5.0), {"wf_increment": 0.1} | start)])
+    assert recording("bare.tdms").notes == (
+        "Channels without a start are taken to begin with the first of the others: 'Beam/g2'.",
+    )
 
 
 def test_a_topic_of_ulog_that_was_split_is_one_series(at):
@@ -265,6 +278,10 @@ def test_what_is_no_series_of_time_is_refused_or_left_out(at):
         (file := Writer(stream)).start()
         channel = file.register_channel("/t", "protobuf", file.register_schema("x", "protobuf", b""))
         file.add_message(channel, 1, b"abc", 1), file.finish()
+    (at / "alone").mkdir()
+    Path("alone/a.db3").write_bytes(b"SQLite format 3\0")
+    with pytest.raises(DataError, match=r"a\.db3 has no metadata\.yaml beside it; expected the folder"):
+        recording("alone/a.db3")
     with pytest.raises(DataError, match="holds messages in protobuf; expected JSON or ROS 2"):
         recording("packed.mcap")
     places = dict.fromkeys(("rsp_node", "rsp_dir", "ref_node", "ref_dir"), 1)

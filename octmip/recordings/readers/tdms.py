@@ -6,6 +6,7 @@ no sample before the last change is right, so the channel is refused.
 """
 
 import functools
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 
 from octmip.errors import DataError, needed_by
 from octmip.formats.table.units import unit_behind
+from octmip.input.messages import several
 from octmip.recordings.readers.clock import doubts, seconds_in, times_among
 from octmip.recordings.recording import Channel, Floats, Recording, seconds_since
 
@@ -66,7 +68,7 @@ def read(path: Path) -> Recording:
                 elif not (isinstance(ends[0], str) or unit or unit_behind(name)[1]):
                     counted.append(np.asarray(ends, dtype=np.float64))
         cut = "The last segment is shorter than it says: was the file cut?"
-        notes = ((cut,) * file.file_status.incomplete_final_segment, doubts(counted))
+        notes = ((cut,) * file.file_status.incomplete_final_segment, doubts(counted), _without_start(pieces, starts))
     start = min(starts, default=None)
 
     def loaded(group: str, name: str) -> Channel:
@@ -85,6 +87,14 @@ def read(path: Path) -> Recording:
     return Recording(
         "TDMS", {"/".join(k): functools.partial(loaded, *k) for k in pieces if pieces[k]}, start, sum(notes, ())
     )
+
+
+def _without_start(pieces: Mapping[tuple[str, str], Pieces], starts: Sequence[int]) -> tuple[str, ...]:
+    """Return a sentence on waveforms without a start in a file where others have one."""
+    firsts = {"/".join(key): own[0][1] for key, own in pieces.items() if own}
+    bare = [name for name, given in firsts.items() if "wf_increment" in given and "wf_start_time" not in given]
+    told = f"Channels without a start are taken to begin with the first of the others: {several(bare, 6)}."
+    return (told,) if bare and starts else ()
 
 
 def _nanoseconds(stamp: Any) -> int | None:
