@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.input.messages import shown
 
 Floats = NDArray[np.float64]
 
@@ -153,9 +154,20 @@ def numbers_in(given: Any, what: str) -> Floats:
     try:
         found = plain.astype(np.float64).reshape(array.shape)
     except (TypeError, ValueError, OverflowError) as error:
-        raise DataError(f"{what}: values that are no numbers ({error}); expected numbers, NaN if missing") from error
+        odd = shown(next(filter(_is_odd, plain.ravel().tolist()), given))
+        raise DataError(
+            f"{what}: values that are no numbers, such as {odd}; expected numbers, NaN if missing"
+        ) from error
     found[mask] = np.nan
     return found
+
+
+def _is_odd(value: Any) -> bool:
+    try:
+        np.float64(value)
+    except (TypeError, ValueError, OverflowError):
+        return True
+    return False
 
 
 def _is_missing(value: object) -> bool:
