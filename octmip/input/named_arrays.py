@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.input.messages import shown
 
 Floats = NDArray[np.float64]
 
@@ -154,19 +153,18 @@ def numbers_in(given: Any, what: str) -> Floats:
     try:
         found = plain.astype(np.float64).reshape(array.shape)
     except (TypeError, ValueError, OverflowError) as error:
-        odd = shown(next(filter(_is_odd, plain.ravel().tolist()), given))
-        raise DataError(
-            f"{what}: values that are no numbers, such as {odd}; expected numbers, NaN if missing"
-        ) from error
+        odd = next(filter(_is_odd_text, plain.ravel().tolist()), None)
+        why = error if odd is None else f"such as {odd[:60]!r}"
+        raise DataError(f"{what}: values that are no numbers ({why}); expected numbers, NaN if missing") from error
     found[mask] = np.nan
     return found
 
 
-def _is_odd(value: Any) -> bool:
+def _is_odd_text(value: Any) -> bool:
     try:
-        np.float64(value)
+        float(value)
     except (TypeError, ValueError, OverflowError):
-        return True
+        return isinstance(value, str)
     return False
 
 

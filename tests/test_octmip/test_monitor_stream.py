@@ -46,7 +46,7 @@ BAD = {
     "load_factor is 0": (0.0, [500.0] * 20),
     "load_factor is nan": (math.nan, [500.0] * 20),
     "load_factor: values of type complex": (3j, [500.0] * 20),
-    "gauge g03: values that are no numbers, such as 'OVLD'; expected": (
+    r"gauge g03: values that are no numbers \(such as 'OVLD'\); expected": (
         3.0,
         ["OVLD" if k == 2 else 500.0 for k in range(20)],
     ),
