@@ -153,9 +153,19 @@ def numbers_in(given: Any, what: str) -> Floats:
     try:
         found = plain.astype(np.float64).reshape(array.shape)
     except (TypeError, ValueError, OverflowError) as error:
-        raise DataError(f"{what}: values that are no numbers ({error}); expected numbers, NaN if missing") from error
+        odd = next(filter(_is_odd_text, plain.ravel().tolist()), None)
+        why = error if odd is None else f"such as {odd[:60]!r}"
+        raise DataError(f"{what}: values that are no numbers ({why}); expected numbers, NaN if missing") from error
     found[mask] = np.nan
     return found
+
+
+def _is_odd_text(value: Any) -> bool:
+    try:
+        float(value)
+    except (TypeError, ValueError, OverflowError):
+        return isinstance(value, str)
+    return False
 
 
 def _is_missing(value: object) -> bool:

@@ -210,7 +210,7 @@ def campaign_of(averages: Averages, twin: Twin) -> Campaign:
 
 def _tests(recording: Recording, windows: Sequence[Window], channel: str) -> list[str]:
     """Return the name of each window's test."""
-    whole = Path(recording.name).stem
+    whole = Path(recording.name).name  # a stem such as max is the name of a statistic
     if not channel:
         return [window.test or whole for window in windows]
     series, found = recording[channel], []

@@ -14,13 +14,13 @@ HEAD = 200
 """Bytes that tell a format."""
 FORMATS = {
     "TDMS": (rb"TDSm", "tdms"),
-    "MDF": (rb"MDF  ", "mdf"),
+    "MDF": (rb"MDF  |UnFinMF ", "mdf"),
     "ULog": (rb"ULog\x01\x12\x35", "ulog"),
     "DataFlash": (rb"\xa3\x95\x80", "dataflash"),
     "MCAP": (rb"\x89MCAP0\r\n", "mcap"),
     "rosbag": (rb"#ROSBAG V2|SQLite format 3", "rosbag"),
     "miniSEED": (rb"\d{6}[DRQMV][ \x00].{12}|MS\x03", "miniseed"),
-    "UFF58": (rb"\s{0,80}-1\s+58", "uff"),
+    "UFF58": (rb"\s{0,80}-1\s*\n\s*\d{2,4}b?\s", "uff"),
     "MAT": (rb"MATLAB [57]\.", "mat"),
 }
 """What its files begin with, and the file of `octmip.recordings.readers` whose ``read(path)`` returns the Recording."""

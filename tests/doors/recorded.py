@@ -208,3 +208,76 @@ FORMATS: dict[str, tuple[str, Callable[[Path, Series], None], Mapping[str, str]]
     "lvm": ("run.lvm", write_lvm, _places(*CHANNELS)),
 }
 """Name of a file, its writer, and its channels by the twin's names."""
+
+
+def _tdms(unit: str, *names: str) -> Callable[[Path], None]:
+    """Return what writes a group with times in milliseconds, as the first name says, and the steps as force."""
+
+    def write(path: Path) -> None:
+        from nptdms import ChannelObject, TdmsWriter
+
+        with TdmsWriter(path) as file:
+            series = (np.full(5, 20.0), 100.0 * STEPS) if len(names) > 1 else (100.0 * STEPS,)
+            own = [
+                ChannelObject("G", name, values, {"unit_string": unit})
+                for name, values in zip(names, series, strict=False)
+            ]
+            file.write_segment([*own, ChannelObject("G", "force", STEPS, {"unit_string": "N"})])
+
+    return write
+
+
+def _unfinished(path: Path) -> None:
+    """Write a file of MDF that its logger did not end, as its head says."""
+    import asammdf
+
+    with asammdf.MDF(version="4.10") as file:
+        file.append(asammdf.Signal(STEPS, 0.1 * STEPS, name="force"))
+        file.save(path)
+    path.write_bytes(b"UnFinMF " + path.read_bytes()[8:])
+
+
+def _mat(content: Mapping[str, Any]) -> Callable[[Path], None]:
+    import scipy.io
+
+    return lambda path: scipy.io.savemat(path, content)
+
+
+def _uff(header: Mapping[str, Any]) -> Callable[[Path], None]:
+    """Return what writes a set before the series, as programs of modal analysis do."""
+
+    def write(path: Path) -> None:
+        import pyuff
+
+        write_uff(path, dict.fromkeys(CHANNELS, STEPS) | {"time": 0.1 * STEPS})
+        series = path.read_bytes()
+        pyuff.UFF(str(path)).write_sets([header], mode="overwrite")
+        path.write_bytes(path.read_bytes() + series)
+
+    return write
+
+
+STEPS = np.arange(5.0)
+SIGNALS = np.array([(STEPS, "force"), (2 * STEPS, "g1")], dtype=[("values", object), ("label", object)])
+SI = {"type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1, "length": 1, "force": 1, "temp": 1}
+WAYS: dict[str, tuple[str, Callable[[Path], Any], str]] = {
+    "times of TDMS in a unit": ("a.tdms", _tdms("ms", "Time"), "G/force"),
+    "times of TDMS with their unit behind": ("a.tdms", _tdms("", "Time [ms]"), "G/force"),
+    "a temperature t before the times": ("a.tdms", _tdms("", "t [degC]", "Time (ms)"), "G/force"),
+    "MDF that was not finished": ("a.mf4", _unfinished, "force"),
+    "a temperature t in a table": (
+        "a.csv",
+        lambda path: path.write_text("t [°C],Time [ms],force\n" + "".join(f"20,{100 * k},{k}\n" for k in range(5))),
+        "force",
+    ),
+    "a Simulink structure with time": (
+        "a.mat",
+        _mat({"out": {"time": 0.1 * STEPS, "signals": SIGNALS}}),
+        "out/signals/values/1",
+    ),
+    "a row for each channel": ("a.mat", _mat({"t": 0.1 * STEPS, "M": np.stack([STEPS, -STEPS])}), "M/1"),
+    "a row for each channel at a rate": ("a.mat", _mat({"fs": 10, "M": np.stack([STEPS, -STEPS])}), "M/1"),
+    "times that are texts beside a rate": ("a.mat", _mat({"time": ["0 s"] * 5, "Fs": 10.0, "f": STEPS}), "f"),
+    "units before the series": ("a.uff", _uff(SI | {"temp_offset": 273.15}), "force"),
+}
+"""File, its writer, and the channel of the numbers 0 to 4 at steps of 0.1 s, in ways in which programs write it."""

@@ -17,7 +17,7 @@ from octmip.gap import function_twin
 from octmip.gap.doors import open_twin
 from octmip.interfaces.cli import main
 from octmip.recordings import Window, averages_of, campaign_of, recording
-from tests.doors.recorded import CHANNELS, FORMATS, GAUGES, RATE, as_csv, truth
+from tests.doors.recorded import CHANNELS, FORMATS, GAUGES, RATE, STEPS, WAYS, as_csv, truth
 
 pytestmark = pytest.mark.filterwarnings("ignore:SelectableGroups dict interface")  # of obspy
 LOAD_UNITS = {"force": "N", "moment": "N m"}
@@ -156,6 +156,22 @@ def test_times_in_the_index_of_pandas_are_times(form, name, at, twin):
     pd.testing.assert_frame_equal(found, right, rtol=1e-9)
 
 
+@pytest.mark.parametrize("way", WAYS)
+def test_times_and_numbers_are_found_as_programs_write_them(way, tmp_path):
+    name, write, channel = WAYS[way]
+    write(tmp_path / name)
+    found = recording(tmp_path / name)[channel]
+    assert found.time == pytest.approx(0.1 * STEPS)
+    assert found.values == pytest.approx(STEPS)
+
+
+def test_a_file_may_have_the_name_of_a_statistic(at, twin):
+    Path("run.tdms").rename("max.tdms")
+    found = campaign_of(averages_of(recording("max.tdms"), twin, load_units=LOAD_UNITS), twin)
+    Path("max.tdms").rename("run.tdms")
+    assert set(found.test) == {"max.tdms"}
+
+
 def test_channels_of_two_rates_are_averaged_each_at_its_own(at, twin):
     from nptdms import ChannelObject, TdmsWriter
 
@@ -206,6 +222,12 @@ def test_samples_of_tdms_keep_the_start_of_their_segment_and_other_scales_are_re
             file.write_segment([ChannelObject("Beam", "g1", np.ones(5), scale | {"wf_start_offset": 0.0})])
     with pytest.raises(DataError, match="channel 'g1' is scaled anew within the file"):
         recording("scaled.tdms")["Beam/g1"]
+    with TdmsWriter("bare.tdms") as file:
+        for name, start in (("g1", {"wf_start_time": stamps[0]}), ("g2", {})):
+            file.write_segment([ChannelObject("Beam", name, np.arange(5.0), {"wf_increment": 0.1} | start)])
+    assert recording("bare.tdms").notes == (
+        "Channels without a start are taken to begin with the first of the others: 'Beam/g2'.",
+    )
 
 
 def test_a_topic_of_ulog_that_was_split_is_one_series(at):
@@ -256,6 +278,10 @@ def test_what_is_no_series_of_time_is_refused_or_left_out(at):
         (file := Writer(stream)).start()
         channel = file.register_channel("/t", "protobuf", file.register_schema("x", "protobuf", b""))
         file.add_message(channel, 1, b"abc", 1), file.finish()
+    (at / "alone").mkdir()
+    Path("alone/a.db3").write_bytes(b"SQLite format 3\0")
+    with pytest.raises(DataError, match=r"a\.db3 has no metadata\.yaml beside it; expected the folder"):
+        recording("alone/a.db3")
     with pytest.raises(DataError, match="holds messages in protobuf; expected JSON or ROS 2"):
         recording("packed.mcap")
     places = dict.fromkeys(("rsp_node", "rsp_dir", "ref_node", "ref_dir"), 1)

@@ -46,7 +46,10 @@ BAD = {
     "load_factor is 0": (0.0, [500.0] * 20),
     "load_factor is nan": (math.nan, [500.0] * 20),
     "load_factor: values of type complex": (3j, [500.0] * 20),
-    "gauge g03: values that are no numbers": (3.0, ["OVLD" if k == 2 else 500.0 for k in range(20)]),
+    r"gauge g03: values that are no numbers \(such as 'OVLD'\); expected": (
+        3.0,
+        ["OVLD" if k == 2 else 500.0 for k in range(20)],
+    ),
     "gauge g03: values of type complex": (3.0, [1j if k == 2 else 500.0 for k in range(20)]),
     "gauge g03 is a list of 1; expected one number": (3.0, [[500.0] if k == 2 else 500.0 for k in range(20)]),
     r"g06 is 1.79\d+e\+308; expected": (3.0, [sys.float_info.max if k > 4 else 500.0 for k in range(20)]),

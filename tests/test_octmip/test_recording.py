@@ -94,7 +94,7 @@ def test_a_window_with_a_name_keeps_it_beside_a_channel_of_tests():
     recording = Recording("TDMS", {"group/run": lambda: series}, name="day.tdms")
     windows = [Window(0.0, 5.0), Window(10.0, 15.0, "own")]
     assert _tests(recording, windows, "group/run") == ["run 1", "own"]
-    assert _tests(recording, windows, "") == ["day", "own"]
+    assert _tests(recording, windows, "") == ["day.tdms", "own"]
     with pytest.raises(DataError, match="has 2 numbers from 8 s to 12 s"):
         _tests(recording, [Window(8.0, 12.0)], "group/run")
 

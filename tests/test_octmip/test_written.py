@@ -94,6 +94,7 @@ def test_words_with_digits_stay_words(cells):
         (["5 mm", "6 mm", "7 mm"], ["5 cm", "7 cm", "6 cm"], "'5 cm'; expected numbers in mm"),
         (["5%", "7%"], ["$5", "$7"], "'.5'; expected per cent"),
         ([5.0, 7.0], ["5%", "7%"], "holds text such as '5%'; expected numbers"),
+        ([5.0, 7.0], ["110", "um/m"], "holds text such as 'um/m'; expected numbers"),
         (["13/04/2025", "05/06/2025"], ["04/13/2025"] * 2, "expected dates .14 March 2025: 14/03/2025"),
         (["2025-01-01", "2025-01-02"], [20089, 20090], "the number 20089; expected dates"),
         ([1.0, 2.0], pd.to_datetime(["2025-01-01", "2025-01-02"]), "holds dates .*expected plain numbers"),

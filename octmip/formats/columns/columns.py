@@ -321,17 +321,17 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing,
     if cells.n_missing and missing == "refuse":
         raise DataError(f"has {_missing(cells)}; fill in, or set missing to 'either-side'")
     if cells.is_text and categories == "refuse":
-        raise DataError(f"holds text such as {shown(cells.values[0])}; encode it as numbers, or set categories")
+        raise DataError(f"holds text such as {shown(_odd(cells))}; encode it as numbers, or set categories")
     if not cells.is_text or cells.is_ordered:
         return
     n_values = len(cells.values)
     if n_values > FEW_VALUES and n_values > most_unique * n_rows:
         if times := complaint_of(cells.values):
             raise DataError(times)
-        words = [value for value in cells.values if plain_number(str(value).strip()) is None]
-        if 2 * len(words) < n_values:
+        n_numbers = sum(map(_is_number, cells.values))
+        if 2 * n_numbers > n_values:
             raise DataError(
-                f"holds {n_values - len(words)} different numbers, and texts such as {shown(words[0])}; "
+                f"holds {n_numbers} different numbers, and texts such as {shown(_odd(cells))}; "
                 "write a number or an empty cell for each of these, or leave it out"
             )
         read = "" if not all(map(HAS_DIGIT, cells.values)) else ", or write numbers plainly if it holds some"
@@ -352,6 +352,15 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing,
             f"holds {n_values} different texts; expected at most {MOST_VALUES} yes/no questions; leave it out, merge "
             "values, or set categories to 'order'"
         )
+
+
+def _is_number(text: str) -> bool:
+    return plain_number(text.strip()) is not None
+
+
+def _odd(cells: Cells) -> str:
+    """Return a text of a column that is no number, where it has one."""
+    return min(cells.values, key=_is_number)
 
 
 def _missing(cells: Cells) -> str:
@@ -379,5 +388,5 @@ def _encoded(column: Column, cells: Cells, takes_missing: bool) -> NDArray[np.fl
     if cells.n_missing and not (column.has_missing or takes_missing):
         raise DataError(f"has {_missing(cells)}, and had none in training; fill in, or train with some")
     if column.kind == "number" and cells.is_text and cells.n_missing < len(cells.words):
-        raise DataError(f"holds text such as {shown(cells.values[0])}; expected numbers, as in training")
+        raise DataError(f"holds text such as {shown(_odd(cells))}; expected numbers, as in training")
     return column.encode(cells, takes_missing=takes_missing)

@@ -15,7 +15,7 @@ from octmip.formats.tree_file import read_tree_file
 from octmip.gap.campaign.reader import read_campaign
 from octmip.input.files import whole_folder, write_bytes
 from octmip.input.names import visible
-from octmip.interfaces.cli.answer import print_json
+from octmip.interfaces.cli.answer import print_json, print_notes
 from octmip.interfaces.cli.monitor_folder import write_monitor
 from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.change import change_page
@@ -39,12 +39,14 @@ def run_loop(arguments: argparse.Namespace, twin: Twin, settings: dict[str, Any]
     selector, trees = _deployed(old)
     if arguments.inspected:  # refused before anything is watched
         PartOf(twin, (arguments.inspected,))
-    readings, loads = _series(arguments.readings, twin, selector)
+    readings, loads, notes = _series(arguments.readings, twin, selector)
     with StageLine("watching"):
         seen = watched(twin, selector, readings, loads)
     found: dict[str, Any] = {"readings": arguments.readings, "deployed": str(old), "watch": _watch_json(seen)}
+    found["notes"] = list(notes)
     added = arguments.inspected or (seen.finding.name if seen.finding and seen.finding.kind == "damage" else "")
     if not arguments.json:
+        print_notes(notes)
         print("\n".join(_watch_words(arguments.readings, seen, added)))
     if added:
         since = seen.finding.since if seen.finding else 0
@@ -91,8 +93,10 @@ def _deployed(folder: Path) -> tuple[ModelSelector, list[ParameterTree]]:
     return selector, trees
 
 
-def _series(path: str, twin: Twin, selector: ModelSelector) -> tuple[NDArray[np.float64], list[Applied]]:
-    """Return readings (n, n_gauges) in the library's order, NaN where missing, and their loads, in the file's order."""
+def _series(
+    path: str, twin: Twin, selector: ModelSelector
+) -> tuple[NDArray[np.float64], list[Applied], tuple[str, ...]]:
+    """Return readings (n, n_gauges) in the library's order, NaN where missing, their loads, and how they were read."""
     campaign = read_campaign(path, twin)
     gauges = selector.library.gauges
     readings = np.full((len(campaign.readings), len(gauges)), np.nan)
@@ -109,7 +113,8 @@ def _series(path: str, twin: Twin, selector: ModelSelector) -> tuple[NDArray[np.
             selector.library.checked_load(load)
         except OctmipError as error:
             raise DataError(f"{path}, row {line}: {error}") from error
-    return readings, applied
+    told = tuple(note for note in campaign.notes if "marginalises" not in note)  # states are what is monitored
+    return readings, applied, told
 
 
 def _watch_json(seen: Seen) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from octmip.errors import needed_by
+from octmip.errors import DataError, needed_by
 from octmip.recordings.readers.fields import recorded
 from octmip.recordings.recording import Recording
 
@@ -15,6 +15,10 @@ with needed_by("a recording of ROS"):
 
 def read(path: Path) -> Recording:
     """Return the numbers in the messages of a bag as TOPIC/FIELD."""
+    if path.suffix != ".bag" and not path.with_name("metadata.yaml").is_file():
+        raise DataError(
+            f"{path} has no metadata.yaml beside it; expected the folder of a ROS 2 bag; copy the whole folder"
+        )
     return recorded("rosbag", _messages(path))
 
 

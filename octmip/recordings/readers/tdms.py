@@ -6,19 +6,22 @@ no sample before the last change is right, so the channel is refused.
 """
 
 import functools
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from octmip.errors import DataError, needed_by
+from octmip.formats.table.units import unit_behind
+from octmip.input.messages import several
+from octmip.recordings.readers.clock import doubts, seconds_in, times_among
 from octmip.recordings.recording import Channel, Floats, Recording, seconds_since
 
 with needed_by("a recording of TDMS"):
     from nptdms import TdmsFile
     from nptdms.reader import TdmsReader, _number_of_segment_values
 
-TIMES = ("time", "timestamp", "timestamps", "zeit")
 Pieces = list[tuple[int, dict[str, Any]]]
 """Samples of a channel in each segment, and its properties there."""
 
@@ -50,18 +53,22 @@ class _Segments(TdmsReader):  # type: ignore[misc]
 
 def read(path: Path) -> Recording:
     """Return the channels of a TDMS file."""
-    segments, starts = _Segments(path), list[int]()
+    segments, starts, counted = _Segments(path), list[int](), list[Floats]()
     with TdmsFile.open(path, raw_timestamps=True) as file:
         pieces = {
             (one.group_name, one.name): segments.pieces(one.path) for group in file.groups() for one in group.channels()
         }
         for (group, name), own in pieces.items():
             starts += [at for _, given in own if (at := _nanoseconds(given.get("wf_start_time"))) is not None]
-            if own and name.strip().lower() in TIMES and (first := _nanoseconds(file[group][name][0])) is not None:
-                starts.append(first)
-        notes = (
-            "The last segment is shorter than it says: was the file cut?",
-        ) * file.file_status.incomplete_final_segment
+            unit = str(own[-1][1].get("unit_string", "")) if own else ""
+            if own and times_among({name: unit}):
+                ends = [file[group][name][k] for k in (0, -1)]
+                if (first := _nanoseconds(ends[0])) is not None:
+                    starts.append(first)
+                elif not (isinstance(ends[0], str) or unit or unit_behind(name)[1]):
+                    counted.append(np.asarray(ends, dtype=np.float64))
+        cut = "The last segment is shorter than it says: was the file cut?"
+        notes = ((cut,) * file.file_status.incomplete_final_segment, doubts(counted), _without_start(pieces, starts))
     start = min(starts, default=None)
 
     def loaded(group: str, name: str) -> Channel:
@@ -77,7 +84,17 @@ def read(path: Path) -> Recording:
             time = _beside(file[group], name, start or 0) if time is None else time
             return Channel(f"{group}/{name}", str(own[-1][1].get("unit_string", "")), time, file[group][name][:])
 
-    return Recording("TDMS", {"/".join(k): functools.partial(loaded, *k) for k in pieces if pieces[k]}, start, notes)
+    return Recording(
+        "TDMS", {"/".join(k): functools.partial(loaded, *k) for k in pieces if pieces[k]}, start, sum(notes, ())
+    )
+
+
+def _without_start(pieces: Mapping[tuple[str, str], Pieces], starts: Sequence[int]) -> tuple[str, ...]:
+    """Return a sentence on waveforms without a start in a file where others have one."""
+    firsts = {"/".join(key): own[0][1] for key, own in pieces.items() if own}
+    bare = [name for name, given in firsts.items() if "wf_increment" in given and "wf_start_time" not in given]
+    told = f"Channels without a start are taken to begin with the first of the others: {several(bare, 6)}."
+    return (told,) if bare and starts else ()
 
 
 def _nanoseconds(stamp: Any) -> int | None:
@@ -100,13 +117,11 @@ def _waveform(pieces: Pieces, zero: int) -> Floats | None:
 
 def _beside(group: Any, name: str, zero: int) -> Floats:
     """Return the times that another channel of the group has."""
-    clock = next((one for one in group.channels() if one.name.strip().lower() in TIMES and one.name != name), None)
+    units = {one.name: str(one.properties.get("unit_string", "")) for one in group.channels() if one.name != name}
+    clock = times_among(units)
     if clock is None:
-        raise DataError(
-            f"channel {name!r} has no times: no wf_increment and no channel {TIMES[0]!r} beside it; add one"
-        )
-    times = clock[:]
-    is_stamp = hasattr(times, "as_datetime64")
-    return (
-        seconds_since(zero, times.as_datetime64("ns").astype(np.int64)) if is_stamp else np.asarray(times, np.float64)
-    )
+        raise DataError(f"channel {name!r} has no times: no wf_increment and no channel 'time' beside it; add one")
+    times = group[clock][:]
+    if hasattr(times, "as_datetime64"):
+        return seconds_since(zero, times.as_datetime64("ns").astype(np.int64))
+    return seconds_in(clock, units[clock], times)

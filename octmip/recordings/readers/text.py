@@ -7,16 +7,10 @@ from types import MappingProxyType
 from octmip.errors import DataError
 from octmip.formats.table import read_table
 from octmip.formats.table.units import unit_behind
-from octmip.gap.campaign.columns import OWN, TIME, CampaignColumns
+from octmip.gap.campaign.columns import TIME, CampaignColumns
 from octmip.input.messages import several
+from octmip.recordings.readers.clock import TIMES, times_among
 from octmip.recordings.recording import Channel, Recording
-
-TIMES = (*OWN[TIME], "x_value", "t")
-"""How files call the column of times, in any case."""
-
-
-def _is_time(name: str) -> bool:
-    return (name.lower() if len(name) > 1 else name) in TIMES  # T is a temperature
 
 
 def read(path: Path) -> Recording:
@@ -28,16 +22,17 @@ def read(path: Path) -> Recording:
         no column holds times, or they cannot be read.
     """
     table = read_table(path, keeps_names=True)
-    named = {column: unit_behind(column) for column in table.columns}
-    stamps = next((column for column, (name, _) in named.items() if _is_time(name.strip())), None)
-    if stamps is None and "" in named and table.frame[""].dtype.kind not in "iuf":  # an index, which may count samples
+    units = {column: unit_behind(column)[1] or dict(table.units).get(column, "") for column in table.columns}
+    stamps = times_among(units)
+    if (
+        stamps is None and "" in table.columns and table.frame[""].dtype.kind not in "iuf"
+    ):  # an index, which may count samples
         stamps = ""
     if stamps is None:
         raise DataError(
             f"{path}: no column holds times; expected one called {several(TIMES)} among {several(table.columns, 12)}; "
             "rename it"
         )
-    units = {column: unit or dict(table.units).get(column, "") for column, (_, unit) in named.items()}
     given = {TIME if column == stamps else column: unit for column, unit in units.items()}
     place = MappingProxyType({TIME if column == stamps else column: column for column in table.columns})
     columns = CampaignColumns(table, place, given, ())

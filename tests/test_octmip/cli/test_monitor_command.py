@@ -182,8 +182,12 @@ def test_the_loop_goes_from_an_alarm_to_a_proven_tree_that_reads_the_damage(plat
 def test_a_faulty_gauge_or_a_state_of_the_library_changes_no_tree(plate, capsys):
     plate("sound.csv", lambda k: (0.0, 0.0))
     plate("faulty.csv", lambda k: (0.0, 400.0 * (np.arange(9) == 6) * (k >= 20)))
+    Path("sound.csv").write_text(Path("sound.csv").read_text().replace("g1,g2", "h1 [mm],g2"))
     assert main([*AGAIN, "sound.csv"]) == 0
-    assert "no alarm in 40 readings" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "no alarm in 40 readings" in told
+    assert "note: Column 'h1 [mm]': the twin has no such reading; not used." in told
+    assert "marginalises" not in told
     assert main([*AGAIN, "faulty.csv"]) == 0
     told = capsys.readouterr().out
     assert "gauge g7 is left out: it is faulty, or damage is at it alone" in told
