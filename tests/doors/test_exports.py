@@ -53,6 +53,12 @@ ONE = Leaf(0), Leaf(1)
             [8, 8, 9, 8, 9],
         ),
         (
+            Columns.learn(pd.DataFrame({"strain": [1.5, 2.5]})),
+            Split(0, 2.0, *ONE),
+            ["NA", "n/a", "None", "null", "-", "", None],
+            [None] * 7,
+        ),
+        (
             Columns.learn(DAYS),
             Split(0, 19783.5, *ONE),
             ["2024-03-01 12:00+02:00", "2024-03-01 12:00-05", "20240301", "1709294400", "2024-03-01T120000", None],

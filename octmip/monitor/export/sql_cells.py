@@ -32,8 +32,8 @@ LARGEST = 62
 MOST_DECIMALS = 18
 """Powers of ten up to 10**18 are whole numbers of every database, and of float64."""
 WORDS = ", ".join(f"'{word}'" for word in sorted(MISSING_WORDS | {"-nan"}) if "\\" not in word)  # some escape by it
-NOTHING = {"numbers": "'', 'nan', '-nan'", "texts": WORDS}
-"""Texts of a missing number, by what the cells are; SQLite keeps the empty cells of a CSV file as empty texts."""
+NOTHING = {"numbers": "'', '-', '?', 'na', 'n/a', 'nan', '-nan', 'none', 'null'", "texts": WORDS}
+"""Texts of a missing number, by what the cells are; SQLite keeps those of a CSV file, and the empty ones, as texts."""
 SPELLINGS = {False: "('false', 'f', '0', '0.0')", True: "('true', 't', '1', '1.0')"}
 YEARS = (-719_528, 2_932_897)
 """Days behind 1970 where year 0 begins and year 9999 ends."""
