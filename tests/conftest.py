@@ -23,6 +23,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Leave the long tests out, or all others with --long, and put the files that take longest first."""
+    if not config.option.keyword and not any("::" in argument for argument in config.args):
+        _check_marks(items)
     asked = config.getoption("--long")
     config.hook.pytest_deselected(items=[item for item in items if is_long(item) != asked])
     items[:] = [item for item in items if is_long(item) == asked]
@@ -35,6 +37,17 @@ def is_long(item: pytest.Item) -> bool:
     if mark is None or not mark.args:
         return mark is not None
     return isinstance(item, pytest.Function) and item.callspec.id in mark.args
+
+
+def _check_marks(items: list[pytest.Item]) -> None:
+    """Refuse a mark that names a case which its table has not."""
+    tables = [item for item in items if isinstance(item, pytest.Function) and hasattr(item, "callspec")]
+    cases = {(item.path, item.originalname, item.callspec.id) for item in tables}
+    for item in tables:
+        mark = item.get_closest_marker("long")
+        for case in mark.args if mark else ():
+            if (item.path, item.originalname, case) not in cases:
+                raise pytest.UsageError(f"{item.nodeid}: long names {case!r}; expected a case of its table")
 
 
 @pytest.fixture(autouse=True, scope="session")
