@@ -1,5 +1,6 @@
 """What every test may rely on."""
 
+import os
 import shutil
 import signal
 from collections.abc import Iterator
@@ -19,6 +20,12 @@ FIRST = (
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the switch of the long tests."""
     parser.addoption("--long", action="store_true", help="run the tests marked long instead of all others")
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """Return one more than there are processors: many tests wait for the processes that they have started."""
+    return (os.cpu_count() or 1) + 1
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
