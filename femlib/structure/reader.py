@@ -126,12 +126,11 @@ def read(
 
 
 def _check_unit(file: FileMesh, name: str, unit: str) -> None:
-    """Refuse another unit than a file says; metres are what Salome says of every mesh."""
-    if file.metres != 1.0 and abs(UNITS[unit] / file.metres - 1.0) > 1e-6:
-        own = next((f"unit={own!r}" for own, size in UNITS.items() if abs(size / file.metres - 1.0) < 1e-6), "metres")
-        raise InputError(
-            f"{name} says that its lengths are in {file.metres:.6g} m, but unit is {unit!r}; expected {own}; give it"
-        )
+    """Refuse another unit than a file says, in four digits or more; metres are what Salome says of every mesh."""
+    near = [own for own, size in UNITS.items() if abs(size / file.metres - 1.0) < 1e-4]
+    if file.metres != 1.0 and unit not in near:
+        cure = f"expected unit={near[0]!r}; give it" if near else f"expected one of {list(UNITS)}; save it in one"
+        raise InputError(f"{name} says that its lengths are in {file.metres:.6g} m, but unit is {unit!r}; {cure}")
 
 
 def _listed(left_out: Mapping[str, int]) -> str:

@@ -30,6 +30,7 @@ STATISTICS = frozenset(
     | {"moyenne", "écarttype", "médiane", "somme", "totalgénéral", "promedio", "totalgeneral"}
 )
 """What spreadsheets and loggers call a row that is no reading, without marks and blanks."""
+UNKNOWN_STATES = "Some states are unknown; the diagnosis marginalises over them."
 HOTTEST = 150.0
 """Temperatures beyond this [deg C] are kelvin or Fahrenheit."""
 MOST_LOAD = 1e9
@@ -173,7 +174,7 @@ def _notes(table: CampaignColumns, twin: Twin, campaign: Campaign) -> list[str]:
     if absent:
         notes.append(f"{len(absent)} of the twin's gauges are not in the file ({', '.join(absent[:6])}); not used.")
     if np.isnan(campaign.states).any():
-        notes.append("Some states are unknown; the diagnosis marginalises over them.")
+        notes.append(UNKNOWN_STATES)
     missing = np.flatnonzero(np.isnan(time))
     if 0 < missing.size < len(time):
         notes.append(f"Row {table.numbers[missing[0]]}, column time is empty: times are not used.")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError, OctmipError
 from octmip.formats.tree_file import read_tree_file
-from octmip.gap.campaign.reader import read_campaign
+from octmip.gap.campaign.reader import UNKNOWN_STATES, read_campaign
 from octmip.input.files import whole_folder, write_bytes
 from octmip.input.names import visible
 from octmip.interfaces.cli.answer import print_json, print_notes
@@ -113,7 +113,7 @@ def _series(
             selector.library.checked_load(load)
         except OctmipError as error:
             raise DataError(f"{path}, row {line}: {error}") from error
-    told = tuple(note for note in campaign.notes if "marginalises" not in note)  # states are what is monitored
+    told = tuple(note for note in campaign.notes if note != UNKNOWN_STATES)  # states are what is monitored
     return readings, applied, told
 
 

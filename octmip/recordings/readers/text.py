@@ -24,10 +24,8 @@ def read(path: Path) -> Recording:
     table = read_table(path, keeps_names=True)
     units = {column: unit_behind(column)[1] or dict(table.units).get(column, "") for column in table.columns}
     stamps = times_among(units)
-    if (
-        stamps is None and "" in table.columns and table.frame[""].dtype.kind not in "iuf"
-    ):  # an index, which may count samples
-        stamps = ""
+    if stamps is None and "" in table.columns and table.frame[""].dtype.kind not in "iuf":
+        stamps = ""  # an index; one of numbers may count samples
     if stamps is None:
         raise DataError(
             f"{path}: no column holds times; expected one called {several(TIMES)} among {several(table.columns, 12)}; "
