@@ -76,6 +76,15 @@ def write_med(path, source):
     meshio.write(path, mesh)
 
 
+@pytest.mark.filterwarnings("ignore:.*left out of the mesh. 1 masses:femlib.errors.LeftOutWarning")
+def test_a_universal_file_in_inches_of_four_digits_is_read_in_inches(tmp_path):
+    path = tmp_path / "plate.unv"
+    path.write_text(MILLIMETRES.replace("1.00000000000000000D+03", "3.93700D+01", 1) + unv())
+    metres = tmp_path / "metres.unv"
+    metres.write_text(unv())
+    assert read(path, unit="in").nodes == pytest.approx(0.0254 * read(metres).nodes)
+
+
 @pytest.mark.parametrize("form", ["4.1", "2.2", "unv", "quadratic unv", "med"])
 @pytest.mark.filterwarnings("ignore:.*left out of the mesh. 1 masses:femlib.errors.LeftOutWarning")
 def test_the_names_of_groups_are_kept(form, tmp_path):
@@ -173,6 +182,11 @@ LEFT, Right
         ("plate.inp", DECK.replace("10, 40, 30", "10, 9000000000000000000, 30"), "as abaqus"),
         ("plate.bdf", "CEND\nBEGIN BULK\n$ nothing\n", "has no node"),
         ("plate.unv", MILLIMETRES + unv(), r"in 0\.001 m, but unit is 'm'; expected unit='mm'"),
+        (
+            "plate.unv",
+            MILLIMETRES.replace("1.00000000000000000D+03", "1.09361D+00", 1) + unv(),
+            r"in 0\.914403 m.*save it in one",
+        ),
         ("plate.unv", unv()[:-200], "expected two about each dataset; was it cut"),
         ("plate.unv", unv().replace("         6         3\n", "         6        33\n"), "the node 33, which the file"),
         (
