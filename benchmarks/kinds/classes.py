@@ -25,7 +25,7 @@ from tests.oracles.two_feature_problems import random_two_feature_problem
 from tests.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 
 MIXED_INTEGER = ("oct", "flow", "oct_h", "benders")
-MOST_SAMPLES = {1: 14, 2: 10}
+MOST_SAMPLES = {1: 14, 2: 10, 3: 8}
 """Of splits over two features, by depth."""
 MOST_SPLITS = 3
 
@@ -51,7 +51,8 @@ class Classes:
 
     def has_log(self, problem: Problem, method: str) -> bool:
         """Return whether a method writes proof logs of a problem."""
-        return method in self.proofs and problem.shape.integer_normals is None
+        shape = problem.shape
+        return method in self.proofs and shape.integer_normals is None and (shape.split == "axis" or shape.depth <= 2)
 
     def ask(self, question: Question, problem: Problem, log: Path | None) -> Solution:
         """Return the answer to a question."""
@@ -115,8 +116,9 @@ def _sized(rng: Generator) -> Problem:
 
 
 def _two_features(rng: Generator) -> Problem:
-    depth = int(rng.integers(1, 3))
-    return random_two_feature_problem(rng, depth=depth, max_samples=MOST_SAMPLES[depth])
+    depth = int(rng.integers(1, 4))
+    problem = random_two_feature_problem(rng, depth=depth, max_samples=MOST_SAMPLES[depth])
+    return problem.replace(sensor_budget=None) if depth == 3 else problem
 
 
 def _few_splits(rng: Generator) -> Problem:

@@ -6,13 +6,17 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from sklearn.datasets import load_iris
 
 from femlib.dataset import MeanStrains
 from femlib.wing import Wing
 from femlib.wing.export.pictures import ACCENT, DAMAGE, INK, draw_planform
+from octmip import Limits, Problem, certify, predict, solve
+from octmip.interfaces.plot import partition_figure
 
 NAME_HEIGHT = 0.16  # [m] ahead of the spar: clear of the leading edge
 QUIET = "#9aa3ad"
+FLOWER = (4.8, 1.75)  # petal length and width of a flower of no known species [cm]
 
 
 def wing_picture(wing: Wing, used: dict[str, Sequence[str]]) -> Figure:
@@ -58,6 +62,23 @@ def strain_picture(wing: Wing, simulated: MeanStrains, published: MeanStrains | 
     axis.set_title("Strain of the undamaged wing along the span", loc="left", fontsize=10)
     axis.spines[["top", "right"]].set_visible(False)
     axis.legend(frameon=False, fontsize=8)
+    return figure
+
+
+def iris_picture(seed: int) -> Figure:
+    """Return the paper's first example: the best lines in the plane of iris's petals, and a flower that they sort."""
+    iris = load_iris()
+    columns = [iris.feature_names.index(f"petal {size} (cm)") for size in ("length", "width")]
+    names = tuple(iris.feature_names[column] for column in columns)
+    species = [str(iris.target_names[code]) for code in iris.target]
+    asked = {"depth": 2, "split": "hyperplane", "split_size": 2, "feature_names": names}
+    problem = Problem(iris.data[:, columns], species, **asked)
+    solution = solve(problem, "exact", limits=Limits(seconds=10.0), seed=seed)
+    certify(problem, solution)
+    told = problem.samples.class_names[predict(solution.tree, np.array([FLOWER]))[0]]
+    title = f"iris: {solution.objective:g} of {len(species)} wrong, bound {solution.bound:g}; the star is {told}"
+    figure = partition_figure(problem, solution.tree, title=title)
+    figure.axes[0].plot(*FLOWER, "*", ms=16, color=ACCENT, mec=INK)
     return figure
 
 

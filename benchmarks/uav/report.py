@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 from benchmarks.context import context
-from benchmarks.uav.pictures import strain_picture, wing_picture
+from benchmarks.uav.pictures import iris_picture, strain_picture, wing_picture
 from benchmarks.uav.study import LABELS, Outcome, pick, problem_of
 from benchmarks.uav.tables import answers, text_of
 from femlib.dataset import Dataset, MeanStrains
@@ -68,6 +68,7 @@ def _figures(
             two = tree_figure(problem_of(data, outcome.cell), outcome.solution.tree)
             figures[f"tree_{label}_two_gauges{ending}"] = two
     figures["wing"] = wing_picture(wing, used)
+    figures["partition_iris"] = iris_picture(data.seed)
     figures["strain"] = strain_picture(wing, simulated, published)
     return figures
 

@@ -174,8 +174,8 @@ class Task:
 TASKS = (
     Task("axis", ("all", "two"), DEPTHS, METHODS),
     Task("axis", ("all", "two"), (1, 2), ("benders",)),
-    Task("two features", ("two",), (2, 3), ("search",)),
-    Task("two features", ("two",), (2,), ("exact", "oct_h")),
+    Task("two features", ("two",), (2, 3), ("search", "exact")),
+    Task("two features", ("two",), (2,), ("oct_h",)),
     Task("two features", ("all",), (1, 2), ("search", "exact", "flow", "oct_h")),
     Task("three features", ("all",), (1, 2), ("search", "flow")),
     Task("all features", ("all",), (1, 2), ("search", "flow", "oct_h")),

@@ -7,7 +7,7 @@ exact     branch and bound over thresholds          search from depth    exact
                                                     5 on; a search within
                                                     the proof, see `solve`
           hyperplanes of at most two features to    the best axis-       exact
-          depth 2: boxes of lines                   aligned tree
+          depth 3: boxes of lines                   aligned tree
 oct       Bertsimas & Dunn's OCT, HiGHS             CART or search       HiGHS
 oct_h     Bertsimas & Dunn's OCT-H, HiGHS           CART or search       HiGHS
 flow      the strengthened formulation, HiGHS       CART or search       HiGHS

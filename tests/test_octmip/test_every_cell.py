@@ -16,7 +16,7 @@ from octmip.trees.nodes.tree import depth
 from octmip.trees.question.losses import SPELLINGS, ClassCosts, number_loss
 from octmip.trees.question.problem_file import encode, question_digest
 from octmip.trees.question.shape import Shape
-from octmip.trees.runs.registry import CAPABILITIES, REGISTRY, SHAPED, SPARSE
+from octmip.trees.runs.registry import CAPABILITIES, DEEP_LINES, REGISTRY, SHAPED, SPARSE
 
 CELLS = [(*cell, method) for cell, solvers in REGISTRY.items() for method in solvers]
 LOSSES = {"classes": ClassCosts(), **{number_loss(spelling).name: number_loss(spelling) for spelling in SPELLINGS}}
@@ -65,7 +65,7 @@ def test_every_field_of_a_shape_has_a_row_unless_all_know_it_and_rows_name_solve
     assert names - set(CAPABILITIES) == set(KNOWN_TO_ALL.split())
     solvers = {solver.name for solvers in REGISTRY.values() for solver in solvers.values()}
     lacking = {who for row in CAPABILITIES.values() for who in row.lacking}
-    assert lacking <= {*solvers, SHAPED.name, SPARSE.name, "levels", "numbers"}
+    assert lacking <= {*solvers, SHAPED.name, SPARSE.name, DEEP_LINES.name, "levels", "numbers"}
 
 
 def is_one_optimum(method: str, solution) -> bool:

@@ -14,6 +14,7 @@ from octmip.trees.methods.native_call import without
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.nodes.tree import HyperplaneSplit, Split, splits
+from octmip.trees.solver import solve
 from tests.oracles.rational import least_cost
 from tests.oracles.two_feature_problems import clouds, random_two_feature_problem
 
@@ -55,14 +56,47 @@ def test_the_line_is_the_one_with_the_widest_margin() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"depth": 3}, "depth is 3 but two-feature trees are proven to depth 2"),
+        ({"depth": 4, "split_size": 2}, "depth is 4 but two-feature trees are proven to depth 3"),
         ({"depth": 1, "split_size": 3}, "3 features"),
+        ({"depth": 3, "split_size": 2, "sensor_budget": 2.0}, "sensor.budget"),
+        ({"depth": 3, "split_size": 2, "integer_normals": 4}, "whole coefficients|integer_normals"),
     ],
 )
-def test_what_is_not_proven_is_refused(options: dict[str, int], message: str) -> None:
+def test_what_is_not_proven_is_refused(options: dict[str, Any], message: str) -> None:
     problem = Problem(np.eye(4), [0, 1, 0, 1], split="hyperplane", **options)
     with pytest.raises(ProblemError, match=message):
         two_feature_branch_and_bound(problem)
+    with pytest.raises(ProblemError, match=message):
+        solve(problem, "exact")
+
+
+def test_no_log_is_promised_at_depth_three(tmp_path: Path) -> None:
+    problem = clouds(1).replace(depth=3)
+    for ask in (two_feature_branch_and_bound, lambda *given, **options: solve(*given, "exact", **options)):
+        with pytest.raises(ProblemError, match="proof"):
+            ask(problem, options=ExactOptions(proof=tmp_path / "log"))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_depth_three_is_the_best_of_all_trees_and_its_bound_holds_wherever_it_stops(seed: int) -> None:
+    rng = np.random.default_rng([993, seed])
+    problem = random_two_feature_problem(rng, depth=3, max_samples=8).replace(sensor_budget=None)
+    least = float(least_cost(problem))
+    assert solve_and_certify(problem) == pytest.approx(least, abs=1e-9)
+    for nodes in (1, 30, 200):
+        bounded = two_feature_branch_and_bound(problem, limits=Limits(nodes=nodes))
+        assert bounded.bound <= least * (1 + 1e-12)
+        assert bounded.is_optimal <= (bounded.objective == pytest.approx(least, abs=1e-9))
+
+
+def test_depth_three_of_a_cloud_costs_no_more_than_depth_two_and_search_finds_no_better_tree() -> None:
+    problem = clouds(4, most_samples=100)
+    deeper = problem.replace(depth=3)
+    solution = two_feature_branch_and_bound(deeper, n_jobs=2)
+    certify(deeper, solution)
+    found = solve(deeper, "search")
+    assert solution.is_optimal
+    assert solution.objective <= min(found.objective, two_feature_branch_and_bound(problem).objective)
 
 
 def published_like(n: int, p: int) -> Problem:

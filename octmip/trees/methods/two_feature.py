@@ -1,7 +1,7 @@
 """Optimal trees whose splits use one or two features, proven by branch and bound: a wrapper of the native core.
 
     minimise  the objective of the Problem
-    over      trees of depth 1 or 2 whose splits are lines  a x_f + b x_g = c  or thresholds  x_f = c
+    over      trees of depth 1 to 3 whose splits are lines  a x_f + b x_g = c  or thresholds  x_f = c
 
 The bound holds for every tree whose lines are taken in exact arithmetic over the float64 values as given: nothing is
 rounded to a grid. Coordinates scaled to [0, 1] settle all samples that keep 2^-42 clear of a line; the few others are
@@ -49,7 +49,8 @@ from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, goes_lef
 from octmip.trees.question.problem import Problem
 
 SOLVER = "two-feature exact"
-MOST_DEPTH = 2
+MOST_DEPTH, MOST_LOGGED = 3, 2
+"""Of trees that are proven, and of those with a log, a checkpoint, a sensor budget or whole coefficients."""
 MOST_FEATURES = 2
 
 
@@ -68,7 +69,7 @@ def two_feature_branch_and_bound(
     Parameters
     ----------
     problem
-        of depth 1 or 2 and at most two features per split (`split_size=2`, or no more than two features).
+        of depth 1 to 3 and at most two features per split (`split_size=2`, or no more than two features).
     limits
         when to stop early.
     incumbent
@@ -94,13 +95,13 @@ def two_feature_branch_and_bound(
         the checkpoint holds no state of such a search.
     """
     proof = options.proof
-    _check(problem, n_jobs)
+    _check(problem, n_jobs, has_log=proof is not None)
     if proof is not None:
         check_writable(proof)
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
     ranks, kept, state, first = rank_features(problem), None, None, known
     costs = integer_costs(problem, first)
-    has_state = problem.shape.depth == MOST_DEPTH  # one level is one scan
+    has_state = problem.shape.depth == MOST_LOGGED  # one level is one scan, and three keep none
     if options.checkpoint is not None and has_state:
         kept = StateEntry(options.checkpoint, problem, ranks, every_of(options))
         if (read := kept.read_two_feature()) is not None:
@@ -169,11 +170,21 @@ def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
     return details | {"numerically_undecided": is_open}
 
 
-def _check(problem: Problem, n_jobs: int) -> None:
+def _check(problem: Problem, n_jobs: int, *, has_log: bool) -> None:
     shape = problem.shape
+    asked = {
+        "a proof log": has_log,
+        "a sensor budget": shape.sensor_budget is not None,
+        "whole coefficients": shape.integer_normals is not None,
+    }
     if shape.depth > MOST_DEPTH:
         raise ProblemError(
             f"depth is {shape.depth} but two-feature trees are proven to depth {MOST_DEPTH}; take method='search'"
+        )
+    for words in (words for words, is_asked in asked.items() if is_asked and shape.depth > MOST_LOGGED):
+        raise ProblemError(
+            f"depth is {shape.depth} and {words} is asked for, which two-feature trees have to depth {MOST_LOGGED}; "
+            "leave it out"
         )
     if shape.max_split_size > MOST_FEATURES:
         raise ProblemError(

@@ -84,7 +84,8 @@ class Solver(Protocol):
 
 
 _FORMS = ("oct", "oct_h", "flow", "flow of planes", "benders")
-_NO_PARTS = ("cart", "search", "search of numbers", "lines", "exact of numbers", *_FORMS, "levels")
+_LINES = ("lines", "lines of depth 3")
+_NO_PARTS = ("cart", "search", "search of numbers", *_LINES, "exact of numbers", *_FORMS, "levels")
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,18 +125,18 @@ CAPABILITIES: Mapping[str, Capability] = {
         ("fill missing readings, or let an estimator or the command encode them", "leave those rows out"),
     ),
     "leaf_model": Capability("setting", ("exact of numbers",)),
-    "sensor_budget": Capability("setting", ("exact of shapes",)),
-    "max_splits": Capability("setting", ("lines", "benders", "exact of numbers", "levels")),
-    "monotone": Capability("setting", ("lines", "exact of numbers", *_FORMS, "levels")),
-    "integer_normals": Capability("setting", ("search of numbers",)),
+    "sensor_budget": Capability("setting", ("exact of shapes", "lines of depth 3")),
+    "max_splits": Capability("setting", (*_LINES, "benders", "exact of numbers", "levels")),
+    "monotone": Capability("setting", (*_LINES, "exact of numbers", *_FORMS, "levels")),
+    "integer_normals": Capability("setting", ("search of numbers", "lines of depth 3")),
     "fixed_splits": Capability("setting", _NO_PARTS),
     "path_rules": Capability("setting", _NO_PARTS),
     "max_changes": Capability("setting", _NO_PARTS),
     "cluster": Capability(
         "option", ("exact of shapes", *(who for who in _NO_PARTS if who not in ("search", "levels")))
     ),
-    "proof": Capability("option", ("exact of shapes", "exact of any depth")),
-    "every": Capability("option", ("exact of shapes", "exact of numbers")),
+    "proof": Capability("option", ("exact of shapes", "exact of any depth", "lines of depth 3")),
+    "every": Capability("option", ("exact of shapes", "exact of numbers", "lines of depth 3")),
     "mu": Capability("option", ("oct", "flow")),
     "perturbations": Capability("option", ("search of numbers",)),
     "costs": Capability("word", ("numbers",), "prices of taking one class for another"),
@@ -233,6 +234,8 @@ PARTED = replace(SHAPED, alone_to_depth=MAX_DEPTH)
 SPARSE = replace(EXACT, name="exact of any depth", alone_to_depth=MAX_DEPTH)
 """The exact core for trees of any depth: a log has no line for the bounds that end them."""
 TWO_FEATURE = Registration("lines", "octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True)
+DEEP_LINES = replace(TWO_FEATURE, name="lines of depth 3")
+"""The same core at depth 3, which shares no sensors among its subtrees and has no log."""
 OCT = Registration("oct", "octmip.trees.mip.oct", "solve_oct", proves=True, is_mixed_integer=True)
 OCT_H = Registration("oct_h", "octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True)
 FLOW = Registration("flow", "octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True)
@@ -342,6 +345,8 @@ def solvers_of(problem: Problem) -> Mapping[str, Registration]:
     """Return the solvers that answer a problem's loss, split and shape, by method."""
     shape = problem.shape
     known = REGISTRY[problem.loss.name, shape.split]
+    if known.get("exact") is TWO_FEATURE and shape.depth == 3:
+        return {**known, "exact": DEEP_LINES}
     if known.get("exact") is not EXACT or not (shape.is_shaped or shape.any_depth):
         return known
     shaped = PARTED if shape.has_parts else SHAPED

@@ -47,8 +47,8 @@ fn two_feature_branch_and_bound(
     let switches = switches(Switches::without(&off))?;
     let limits = limits(limit_values);
     let options = Options { limits, n_threads, known: incumbent, seed, switches, whole_coefficients };
-    if !(1..=2).contains(&problem.inner.depth) {
-        return Err(PyValueError::new_err(format!("depth is {}; expected 1 or 2", problem.inner.depth)));
+    if !(1..=3).contains(&problem.inner.depth) {
+        return Err(PyValueError::new_err(format!("depth is {}; expected 1 to 3", problem.inner.depth)));
     }
     let (every, taker, row) = checkpoint.map_or((0.0, None, None), |(every, taker, row)| (every, Some(taker), row));
     let kept = row.map(|row| saved_from_row(py, row)).transpose()?;

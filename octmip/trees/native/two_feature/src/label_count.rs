@@ -31,6 +31,16 @@ pub(crate) fn two_labels_at_least(loss: &Loss, tally: &[i64]) -> i64 {
     label_pairs(loss, 0, tally)[0].0
 }
 
+/// Least cost of samples whose leaves name so many labels, where every mistake costs the same; 0 elsewhere.
+pub(crate) fn labels_at_least(loss: &Loss, tally: &[i64], n_labels: usize) -> i64 {
+    if !loss.is_uniform() {
+        return 0;
+    }
+    let mut weights = tally[..loss.k].to_vec();
+    weights.sort_unstable_by_key(|&weight| std::cmp::Reverse(weight));
+    weights.iter().skip(n_labels).sum()
+}
+
 /// Every pair of labels with its least cost, the cheapest first.
 fn label_pairs(loss: &Loss, least: i64, tally: &[i64]) -> Vec<(i64, [usize; 2])> {
     let mut pairs = Vec::with_capacity(loss.k * loss.k / 2);

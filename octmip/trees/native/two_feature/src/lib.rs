@@ -4,6 +4,7 @@
 #![cfg_attr(not(test), deny(clippy::unwrap_used))]
 
 mod budget;
+mod depth_three;
 mod depth_two;
 mod geometry;
 mod instance;
@@ -34,13 +35,14 @@ use octmip_frame::control::{KeepGoing, Outcome, Progress, Stop};
 use octmip_frame::supervise::Supervision;
 use octmip_frame::tree::Tree;
 
+use depth_three::solve_depth_three;
 use depth_two::solve_depth_two;
 use instance::Instance;
 use line_tree::{LineTree, to_tree};
 use loss::INFEASIBLE;
 use stumps::depth_one::best_single;
 
-/// Find an optimal tree of depth 1 or 2 and prove it so.
+/// Find an optimal tree of depth 1 to 3 and prove it so.
 ///
 /// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. It goes on from
 /// the state of an earlier search of the problem with the same options, and hands out its own every so often; an error
@@ -58,7 +60,8 @@ pub fn solve(
     match problem.depth {
         1 => Ok(solve_depth_one(problem, &instance, &supervision, keep_going)),
         2 => solve_depth_two(problem, &instance, &supervision, options, kept, keep_going),
-        depth => Err(format!("depth {depth}; expected 1 or 2")),
+        3 => Ok(solve_depth_three(problem, &instance, &supervision, options, keep_going)),
+        depth => Err(format!("depth {depth}; expected 1 to 3")),
     }
 }
 

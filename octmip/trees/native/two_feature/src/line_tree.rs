@@ -66,7 +66,7 @@ fn to_subtree(problem: &Problem, instance: &Instance, line_tree: &LineTree, ids:
 }
 
 /// A split that parts two sets of samples, its children still to be linked.
-fn split_node(
+pub(crate) fn split_node(
     problem: &Problem,
     instance: &Instance,
     (f, g): (usize, usize),
@@ -200,7 +200,8 @@ fn offset_of(
     (highest < lowest && offset.is_finite()).then_some(offset)
 }
 
-fn join(node: Node, left: &Tree, right: &Tree) -> Tree {
+/// A tree with this split at its root.
+pub(crate) fn join(node: Node, left: &Tree, right: &Tree) -> Tree {
     // Any cut serves to lay out the table; the node itself takes its place.
     let mut tree = Tree::join(0, 0, left, right);
     let (first, second) = (1, 1 + left.nodes.len() as u32);

@@ -78,6 +78,17 @@ impl Known {
         }
     }
 
+    /// Nothing known yet, and room for so many sets; no lines are passed on.
+    pub(crate) fn with_sets(instance: &Instance, most_sets: usize) -> Self {
+        let known = Self::new(instance, 1);
+        Self { most_sets: if known.most_sets > 0 { most_sets } else { 0 }, most_lines: 0, ..known }
+    }
+
+    /// The best known bound of a set.
+    pub(crate) fn at_least_of(&self, ids: &[u32]) -> i64 {
+        if self.most_sets > 0 { self.at_least(&self.bits([ids, &[]])) } else { 0 }
+    }
+
     /// Write what is known.
     pub(crate) fn write(&self, out: &mut Writer) {
         out.list(self.sets.iter(), |out, (set, bound)| {
@@ -102,7 +113,8 @@ impl Known {
         Some(())
     }
 
-    fn bits(&self, parts: [&[u32]; 2]) -> Bits {
+    /// The set of these samples, given in two parts.
+    pub(crate) fn bits(&self, parts: [&[u32]; 2]) -> Bits {
         let mut bits = vec![0; self.n.div_ceil(64)].into_boxed_slice();
         for &i in parts.into_iter().flatten() {
             bits[i as usize / 64] |= 1 << (i % 64);
