@@ -1,4 +1,4 @@
-"""Optimal two-feature trees of depth 2, proven: published strains and UCI sets, objective = misclassified samples.
+"""Optimal two-feature trees of depth 2 and 3: published strains and UCI sets, objective = misclassified samples.
 
 `python -m benchmarks.run two_feature_trees --limit 300 --threads 2`. A sample of n published rows (seed 0) is
 that of `default_rng(n).permutation(1750)[:n]`.
@@ -14,8 +14,8 @@ from benchmarks.data import Table, published, uci
 from benchmarks.tables import Line, markdown
 from octmip.trees.answer.certificate import certify
 from octmip.trees.answer.solution import Limits
-from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.question.problem import Problem
+from octmip.trees.solver import solve
 
 
 def _strains(target: str, n_samples: int, n_gauges: int) -> Table:
@@ -51,12 +51,18 @@ CASES: tuple[tuple[str, Callable[[], Table]], ...] = (
     ("breast-cancer-wisconsin-diagnostic", partial(uci, "breast-cancer-wisconsin-diagnostic")),
 )
 
+DEEPER = tuple(_strains_case(target, n_samples, 2) for target, n_samples in (("mu1", 350), ("mu1", 1750), ("mu2", 175)))
+"""At depth 3, with two gauges: the paper's Fig. 7, and less of it."""
+
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each case and number of threads."""
-    for name, table in CASES:
+    asked = [
+        (f"{name}, depth {depth}", table, depth) for depth, cases in ((2, CASES), (3, DEEPER)) for name, table in cases
+    ]
+    for name, table, depth in asked:
         data = table()
-        problem = Problem(data.features, data.labels, depth=2, split="hyperplane", split_size=2)
+        problem = Problem(data.features, data.labels, depth=depth, split="hyperplane", split_size=2)
         for count in threads:
             yield {"size": name, "seed": 0, "threads": count, "limit": limit} | _measured(problem, limit, count)
 
@@ -71,7 +77,7 @@ def summary(lines: Sequence[Line]) -> str:
 def _measured(problem: Problem, limit: float, n_threads: int) -> Line:
     """Solve, certify, and return the figures of one result line."""
     watch = Stopwatch()
-    solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=limit), n_jobs=n_threads)
+    solution = solve(problem, "exact", limits=Limits(seconds=limit), n_jobs=n_threads)
     cpu, wall = watch.read()
     certify(problem, solution)
     return {

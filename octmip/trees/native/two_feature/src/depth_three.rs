@@ -157,10 +157,11 @@ impl Search<'_, '_> {
         self.supervision.reason().or_else(gap).or_else(spent)
     }
 
-    /// Half-way up the gap, and to its end when little is left, as at depth 2.
+    /// Half-way up the gap, and to its end when little is left, as at depth 2; a quarter at first, for an early bound.
     fn target_above(&self, bound: i64) -> i64 {
         let gap = self.upper - bound;
-        if gap * 25 <= self.upper { self.upper } else { bound + (gap + 1) / 2 }
+        let parts = if bound == 0 { 4 } else { 2 };
+        if gap * 25 <= self.upper { self.upper } else { bound + (gap + parts - 1) / parts }
     }
 
     fn bytes(&self) -> f64 {
