@@ -7,7 +7,7 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.recordings.assignment import _by_name, in_unit
-from octmip.recordings.averages import _rounded, _row_length, _rows, _tests
+from octmip.recordings.averages import _edges, _rounded, _row_length, _rows, _tests
 from octmip.recordings.recording import Channel, Recording
 from octmip.recordings.statistics import Statistic, refuse_placeholders, statistic_of
 from octmip.recordings.windows import Window, _block_means, _creeps, steady_windows
@@ -133,7 +133,7 @@ def test_a_slow_channel_has_gaps_in_the_rows_of_a_fast_one():
     channels = {"fast": channel(np.arange(100.0)), "slow": channel(np.arange(4.0), step=25.0)}
     window = Window(0.0, 100.0)
     found = {name: statistic_of(one, window) for name, one in channels.items()}
-    rows = _rows(channels, found, window, 10.0)
+    rows = _rows(channels, found, _edges(found, window, 10.0))
     assert rows["fast"].tolist() == [10.0 * k + 4.5 for k in range(10)]
     assert rows["slow"].dropna().to_dict() == {0: 0.0, 2: 1.0, 5: 2.0, 7: 3.0}
-    assert len(_rows(channels, found, window, 0.1)) == 100
+    assert len(_rows(channels, found, _edges(found, window, 0.1))) == 100
