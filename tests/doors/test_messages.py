@@ -1,7 +1,10 @@
 """Messages that are decoded many at once are those that their library decodes one by one."""
 
+import io
 import json
+import struct
 from dataclasses import MISSING, fields, is_dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ from rosbags.interfaces import Nodetype
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
+from octmip.errors import DataError
 from octmip.recordings import recording
 from octmip.recordings.readers import ros
 from octmip.recordings.readers.fields import columns_of, recorded
@@ -247,3 +251,21 @@ def test_a_constant_of_a_type_is_no_channel():
     message = bytes(store.serialize_cdr(kind(status=1, service=2), kind.__msgtype__))
     assert Decoder(store, kind.__msgtype__, is_cdr=True)([message] * 3).keys() == {"status", "service"}
     assert columns_of([kind(status=1, service=2)]).keys() == {"status", "service"}
+
+
+def test_an_index_may_name_the_connection_before_a_message_and_nothing_else():
+    def record(kind, data):
+        header = struct.pack("<I", 4) + b"op=" + bytes([kind])
+        return struct.pack("<I", len(header)) + header + struct.pack("<I", len(data)) + data
+
+    for first, is_right in ((7, True), (5, False)):
+        content = record(first, b"about") + record(2, b"message")
+        chunk = SimpleNamespace(datapos=0, datasize=len(content), decompressor=bytes)
+        connection = SimpleNamespace(id=0)
+        bag = SimpleNamespace(bio=io.BytesIO(content), chunks={0: chunk}, connections=[connection])
+        bag.indexes = {0: [(5, 0, 0)]}
+        if is_right:
+            assert list(_of_chunks(bag)) == [(connection, 5, b"message")]
+        else:
+            with pytest.raises(DataError, match="names what is no message"):
+                list(_of_chunks(bag))
