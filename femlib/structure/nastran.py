@@ -73,6 +73,30 @@ def read_bulk(path: Path) -> FileMesh:
     InputError
         If a field is none of its card's, a number is there twice with other values, or a node or system is not there.
     """
+    bulk, names, is_rounded = _taken(path)
+    if is_rounded:
+        bulk.say("last digits of nodes (gmsh rounds them; set its Mesh.BdfFieldFormat to 2)", len(bulk.grids))
+    return bulk.mesh(names)
+
+
+def shell_numbers(path: str | Path) -> dict[int, int]:
+    """Return the number of each shell in the mesh that `femlib.read` makes of a bulk data file, by the file's number.
+
+    Raises
+    ------
+    InputError
+        As `femlib.read`.
+    """
+    elements = _taken(Path(path))[0].elements
+    found = [[number for number, (kind, _, _) in elements.items() if kind.startswith(its)] for its in ("quad", "tri")]
+    kinds = dict.fromkeys(kind for kind, _, _ in elements.values())
+    if {"quad8", "quad9", "triangle6"} & kinds.keys():
+        raise InputError(f"{path} has shells with nodes between corners; expected linear ones; write CQUAD4 and CTRIA3")
+    return {number: k for k, number in enumerate((*found[0], *found[1]))}
+
+
+def _taken(path: Path) -> "tuple[Bulk, dict[int, str], bool]":
+    """Return what the cards of a file say, the names of its properties, and whether gmsh rounded its nodes."""
     cards, names, is_rounded = cards_of(path)
     bulk = Bulk(path)
     for card in sorted(cards, key=lambda own: own.name not in DEFAULTS):
@@ -85,9 +109,7 @@ def read_bulk(path: Path) -> FileMesh:
                 f"{path} could not be read as nastran (card {card.name[:8]} {card.text(2)[:16]}: "
                 f"{reason_of(error)[:100]}); expected whole bulk data; write it again"
             ) from error
-    if is_rounded:
-        bulk.say("last digits of nodes (gmsh rounds them; set its Mesh.BdfFieldFormat to 2)", len(bulk.grids))
-    return bulk.mesh(names)
+    return bulk, names, is_rounded
 
 
 class Bulk:

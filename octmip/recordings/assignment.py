@@ -25,6 +25,7 @@ def places_of(
     readings: Mapping[str, str],
     loads: Mapping[str, str | float],
     modes: Mapping[str, float],
+    levels: Mapping[str, object],
 ) -> dict[str, str | float]:
     """Return channel or number by the twin's name, loads first; names that nobody placed are looked for as they are.
 
@@ -37,7 +38,7 @@ def places_of(
     """
     others = (*fixed_names(twin), TEMPERATURE)
     for asked, known, what in (
-        ({**readings, **modes}, twin.gauges, "reading"),
+        ({**readings, **modes, **levels}, twin.gauges, "reading"),
         (loads, others, "load or state"),
     ):
         unknown = next((name for name in asked if name not in known), None)
@@ -56,6 +57,11 @@ def places_of(
         raise DataError(
             f"{recording.name}: no channel is a reading of the twin ({several(twin.gauges, 6)}); expected --readings "
             f"{twin.gauges[0]}=CHANNEL; its channels: {several(recording.channels, 12)}"
+        )
+    bare = next((name for name in levels if name in modes or not named[name]), None)
+    if bare is not None:
+        raise DataError(
+            f"the level {bare!r} has no channel; expected --readings {bare}=CHANNEL beside --levels; name it"
         )
     found = {name: _number_or(recording, place) for name, place in named.items() if place != ""}
     places = [place for place in found.values() if isinstance(place, str)]

@@ -21,6 +21,7 @@ from octmip.formats.table import Source, Table
 from octmip.formats.table.units import factor_between
 from octmip.gap import Campaign, read_campaign
 from octmip.recordings.assignment import fixed_names, in_unit, places_of, taken, without
+from octmip.recordings.levels import How, block_levels, equal_blocks, words_of
 from octmip.recordings.modes import modes_of
 from octmip.recordings.recording import Channel, Floats, Recording
 from octmip.recordings.statistics import Statistic, inside_of, refuse_bare, refuse_placeholders, statistic_of
@@ -85,6 +86,7 @@ def averages_of(
     no_reading: Sequence[float] = (),
     modes: Mapping[str, float] | None = None,
     vibrations: Sequence[str] = (),
+    levels: Mapping[str, How] | None = None,
 ) -> Averages:
     """Return what a twin's readings and loads are in the windows of a recording.
 
@@ -112,6 +114,9 @@ def averages_of(
         by the twin's name of a reading in Hz, or of a damping ratio, a frequency within a tenth of its mode's [Hz].
     vibrations
         channels by which the modes are identified (`octmip.recordings.modes`).
+    levels
+        by the twin's name of a reading, its largest or smallest sample ("max", "min") or its level in a band [Hz]
+        instead of its mean (`octmip.recordings.levels`).
 
     Raises
     ------
@@ -130,13 +135,13 @@ def averages_of(
     >>> [(window.start, window.end) for window in found.windows]
     [(1.0, 19.0), (21.0, 39.0), (41.0, 58.0)]
     """
-    modes = modes or {}
+    modes, levels = modes or {}, levels or {}
     if bool(modes) != bool(vibrations):
         raise DataError(
             f"{len(modes)} modes and {len(vibrations)} vibrations; expected both: --modes f1=HERTZ says which modes, "
             "--vibrations CHANNEL by which channels; give the other"
         )
-    places = places_of(recording, twin, readings or {}, loads or {}, modes)
+    places = places_of(recording, twin, readings or {}, loads or {}, modes, levels)
     numbers = {name: float(place) for name, place in places.items() if not isinstance(place, str)}
     own = {name: without(recording[place], no_reading) for name, place in places.items() if isinstance(place, str)}
     channels = {name: in_unit(one, (load_units or {}).get(name, one.unit)) for name, one in own.items()}
@@ -160,15 +165,23 @@ def averages_of(
     for window, found in zip(windows, statistics, strict=True):
         refuse_bare(channels, found, window, gauges)
     shortest = min(window.end - window.start for window in windows)
-    length = shortest / STRETCHES if modes else _row_length(windows, statistics, gauges)
+    length = shortest / STRETCHES if modes or levels else _row_length(windows, statistics, gauges)
     tests = _tests(recording, windows, test)
     frames = []
     for window, found, name in zip(windows, statistics, tests, strict=True):
-        frame = _rows(channels, found, window, length).drop(columns=list(shaken))
+        edges = equal_blocks(window, length) if levels else _edges(found, window, length)
+        frame = _rows(channels, found, edges).drop(columns=list(shaken))
         loaded_at = {key: numbers[key] if key in numbers else _rounded(found[key]) for key in fixed if key in places}
         modal = _modal(modes, twin, list(shaken.values()), window, len(frame)) if modes else {}
-        frames.append(frame.assign(test=name, **loaded_at, **modal))
+        peaks = {key: block_levels(channels[key], how, edges) for key, how in levels.items()}
+        frames.append(frame.assign(test=name, **loaded_at, **modal, **peaks))
     rows = pd.concat(frames, ignore_index=True)
+    if levels:
+        n_missing = int(rows[list(levels)].isna().to_numpy().sum())
+        told.append(
+            f"Readings are no means but levels ({words_of(tuple(levels.items()))}) of blocks of {length:.4g} s, a row "
+            f"each; {n_missing} of {len(rows) * len(levels)} are missing."
+        )
     if modes:
         n = [int(rows[name].isna().sum()) for name in modes]
         told.append(
@@ -243,12 +256,15 @@ def _rounded(load: Statistic) -> float:
     return round(mean, int(np.ceil(1.0 - np.log10(error)))) if error > 0.0 else mean
 
 
-def _rows(
-    channels: Mapping[str, Channel], found: Mapping[str, Statistic], window: Window, length: float
-) -> pd.DataFrame:
-    """Return the rows of a window: means over stretches of equal length, NaN where too few samples are valid."""
+def _edges(found: Mapping[str, Statistic], window: Window, length: float) -> Floats:
+    """Return the edges of the rows of a window, each about so long."""
     n = max(1, min(round((window.end - window.start) / length), max(one.n for one in found.values())))
-    edges = np.linspace(window.start, window.end, n + 1)
+    return np.linspace(window.start, window.end, n + 1)
+
+
+def _rows(channels: Mapping[str, Channel], found: Mapping[str, Statistic], edges: Floats) -> pd.DataFrame:
+    """Return the rows of a window: means between edges (n + 1,), NaN where too few samples are valid."""
+    n = len(edges) - 1
     columns = {"time": 0.5 * (edges[1:] + edges[:-1])}
     for name, channel in channels.items():
         parts = [inside_of(channel, start, end) for start, end in itertools.pairwise(edges)]

@@ -127,7 +127,7 @@ def modes_of(
     whole = window or Window(float(first.time[0]), float(first.time[-1]) + first.step)
     edges = np.linspace(whole.start, whole.end, n_stretches + 1)
     heard: list[float] = []
-    rows = np.array([_identified(part, near, heard) for part in _stretches(series, edges)])
+    rows = np.array([_identified(part, near, heard) for part in stretches(series, edges)])
     for k, frequency in enumerate(near):
         places = np.sort(rows[:, k, ::2], axis=1)  # one place is NaN where a stretch has one mode
         n_found, n_double = np.isfinite(places).sum(axis=0).tolist()
@@ -149,7 +149,7 @@ def modes_of(
     return Modes(rows[:, :, 0], rows[:, :, 1])
 
 
-def _stretches(series: Sequence[Channel], edges: Floats) -> Iterator[tuple[Floats, float]]:
+def stretches(series: Sequence[Channel], edges: Floats) -> Iterator[tuple[Floats, float]]:
     """Yield samples (n, n_channels) and their rate; none of a stretch with a gap or an invalid sample."""
     first = series[0]
     place = np.searchsorted(first.time, edges)

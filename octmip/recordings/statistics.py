@@ -43,20 +43,25 @@ def inside_of(channel: Channel, start: float, end: float) -> Floats:
 
 
 def statistic_of(channel: Channel, window: Window) -> Statistic:
-    """Return what a channel shows in a window; negative correlation counts as none.
-
-    Source: Anderson (1971), section 8.2.
-    """
+    """Return what a channel shows in a window."""
     inside = inside_of(channel, window.start, window.end)
     values = inside[np.isfinite(inside)]
     n = len(values)
     if not n:
         return Statistic(len(inside), len(inside), np.nan, np.nan, 0.0)
-    rest = values - values.mean()
+    sd = float(values.std(ddof=1)) if n > 1 else np.nan
+    return Statistic(len(inside), len(inside) - n, float(values.mean()), sd, worth(values))
+
+
+def worth(values: Floats) -> float:
+    """Return how many independent samples the mean of samples (n,) is worth; negative correlation counts as none.
+
+    Source: Anderson (1971), section 8.2.
+    """
+    n, rest = len(values), values - values.mean()
     power = float(rest @ rest)
     lag1 = max(float(rest[1:] @ rest[:-1]) / power, 0.0) if power > 0.0 else 0.0
-    sd = float(np.sqrt(power / (n - 1))) if n > 1 else np.nan
-    return Statistic(len(inside), len(inside) - n, float(values.mean()), sd, max(n * (1.0 - lag1) / (1.0 + lag1), 1.0))
+    return max(n * (1.0 - lag1) / (1.0 + lag1), 1.0)
 
 
 def refuse_placeholders(channels: Mapping[str, Channel], window: Window) -> None:

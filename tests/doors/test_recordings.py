@@ -11,13 +11,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.recordings import BEAM, CARD, START, UNITS, write_tdms
+from benchmarks.recordings import BEAM, CARD, CHANNELS, FORMATS, GAUGES, START, UNITS, write_tdms
 from octmip.errors import DataError, MissingExtraError
 from octmip.gap import function_twin
 from octmip.gap.doors import open_twin
 from octmip.interfaces.cli import main
 from octmip.recordings import Window, averages_of, campaign_of, recording
-from tests.doors.recorded import CHANNELS, FORMATS, GAUGES, RATE, STEPS, WAYS, as_csv, truth
+from tests.doors.recorded import RATE, STEPS, WAYS, as_csv, truth
 
 pytestmark = pytest.mark.filterwarnings("ignore:SelectableGroups dict interface")  # of obspy
 LOAD_UNITS = {"force": "N", "moment": "N m"}

@@ -296,3 +296,23 @@ def test_a_packed_table_may_unpack_to_64_mebibytes_or_to_200_times_its_size(tmp_
     rng = np.random.default_rng(0)
     path.write_bytes(gzip.compress("\n".join(map(str, rng.random(20_000))).encode()))
     assert len(open_source(path).content()) > 80_003  # it unpacks to twice its size
+
+
+@pytest.mark.parametrize(("first", "second", "is_refused"), [
+    ("s,N,um/m\n", "s,kN,um/m\n", True), ("s,N,um/m\n", "s,N,um/m\n", False), ("", "s,kN,um/m\n", True),
+    ("", "", False),
+])  # fmt: skip
+def test_a_header_that_stands_again_with_other_units_is_refused(first, second, is_refused, tmp_path):
+    rows = ["".join(f"{at + k},{k},{2 * k}\n" for k in range(20)) for at in (0, 100)]
+    (tmp_path / "two.csv").write_text(f"time,force,g1\n{first}{rows[0]}time,force,g1\n{second}{rows[1]}")
+    if is_refused:
+        said = r"two\.csv, line \d+: the header stands again with the units 's,kN,um/m'; expected "
+        with pytest.raises(DataError, match=said):
+            read_table(tmp_path / "two.csv")
+    else:
+        assert len(read_table(tmp_path / "two.csv").frame) == 40
+
+
+def test_letters_under_a_header_that_stands_again_may_be_classes(tmp_path):
+    (tmp_path / "two.csv").write_text("sex,grade\nm,A\ns,N\nm,N\nsex,grade\ns,A\nm,N\n")
+    assert len(read_table(tmp_path / "two.csv").frame) == 5

@@ -173,10 +173,21 @@ MANY = 1000
 """Texts from which on pandas, which knows the plain spellings of ISO 8601 alone, is asked first."""
 
 
-def _plain_iso(texts: Sequence[str]) -> tuple[Integers, Integers] | None:
-    if not all(map(PLAIN.fullmatch, texts)):
+def plain_instants_of(column: "pd.Series[Any]") -> tuple[Integers, Integers] | None:
+    """Return days and nanoseconds as `instants_of`, form ISO, of a column; None where a cell is not plain ISO 8601."""
+    if len(column) <= MANY or not isinstance(column.dtype, pd.StringDtype) or column.isna().any():
         return None
-    stamps = pd.to_datetime(pd.Series(list(texts)), format="ISO8601", errors="coerce", utc=True)
+    if not PLAIN.fullmatch(column.iloc[0]) or not column.str.fullmatch(PLAIN.pattern).all():
+        return None
+    return _stamped(column)
+
+
+def _plain_iso(texts: Sequence[str]) -> tuple[Integers, Integers] | None:
+    return _stamped(pd.Series(list(texts))) if all(map(PLAIN.fullmatch, texts)) else None
+
+
+def _stamped(column: "pd.Series[Any]") -> tuple[Integers, Integers] | None:
+    stamps = pd.to_datetime(column, format="ISO8601", errors="coerce", utc=True)
     if stamps.isna().any():
         return None
     per_day = DAY // pd.Timedelta(1, stamps.dt.unit)

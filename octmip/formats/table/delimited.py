@@ -147,7 +147,8 @@ def _without_blanks(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]
     padded = []
     for name in frame.columns:
         column = frame[name]
-        texts = () if column.dtype.kind in "biuf" else column.dropna().unique()
+        is_bare = isinstance(column.dtype, pd.StringDtype) and bool((column.str.strip() == column).fillna(True).all())
+        texts = () if column.dtype.kind in "biuf" or is_bare else column.dropna().unique()
         bare = {text: text.strip() for text in texts if isinstance(text, str) and text != text.strip()}
         if bare:
             words = {text: None if word in NO_NUMBERS else word for text, word in bare.items()}

@@ -5,7 +5,8 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from octmip.errors import DataError
 from octmip.formats.table.lines import RULE, TAIL, comment_text, is_comment, is_value, split_rows
-from octmip.formats.table.top import Top
+from octmip.formats.table.top import Top, is_units
+from octmip.formats.table.units import unit_in
 from octmip.input.messages import shown
 
 MARKS = ("#", "%", "//", ";")
@@ -27,6 +28,7 @@ def rows_of(name: str, text: str, top: Top, separator: str) -> tuple[str, tuple[
     start = _offset(text, top.first)
     body = text[start:] if start else text
     again = list(_again(body, top))
+    _refuse_other_units(name, body, top, again, separator)
     comments = [span for span in _comments(name, body, top, separator) if span not in again]
     end = list(_after_the_end(body, top, separator))
     pieces, at = ["\n" * (top.first - 1)], 0
@@ -43,6 +45,23 @@ def rows_of(name: str, text: str, top: Top, separator: str) -> tuple[str, tuple[
     ]
     said = "; ".join(part for part in parts if part)
     return "".join(pieces), (f"no rows and left out: {said}",) * bool(said)
+
+
+def _refuse_other_units(name: str, body: str, top: Top, again: Sequence[Span], separator: str) -> None:
+    """Refuse a header that stands again above other units: its rows would be read in those of the first."""
+    for _, stop in again:
+        end = _end(body, stop + 1)
+        line, below = body[stop + 1 : end], body[end + 1 : _end(body, end + 1)]
+        pair = [row.cells for row in split_rows([(1, line), (2, below)], separator) if len(row.cells) == top.n_cells]
+        if line.strip() in (*top.again, body[: _end(body, 0)].strip()) or len(pair) < 2 or not is_units(pair[0]):
+            continue
+        named = [is_value(number) for unit, number in zip(*pair, strict=True) if unit_in(unit)]
+        if named and all(named):  # m and A may be classes, but not above numbers
+            first = f"those of line {top.between[-1]}" if top.between else "none, as above"
+            raise DataError(
+                f"{name}, line {_number(body, top, (stop + 1, 0))}: the header stands again with the units "
+                f"{shown(line.strip())}; expected {first}; give each table its own file"
+            )
 
 
 def _lines(what: str, numbers: Sequence[int]) -> str:

@@ -14,8 +14,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.spellings import DAYS
-from octmip.formats.columns.times import days_in, instants_of, time_form_of, time_forms_of
+from octmip.formats.columns.spellings import DAYS, ISO
+from octmip.formats.columns.times import days_in, instants_of, plain_instants_of, time_form_of, time_forms_of
 from octmip.formats.columns.written import DIGITS, form_of, read_texts, words_of
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.units import factor_between, is_unit, unit_behind
@@ -189,6 +189,9 @@ class CampaignColumns:
             return self._from_first(_seconds_of(column - column.min()))
         if column.dtype.kind == "m":
             return _seconds_of(column), ()
+        if (plain := plain_instants_of(column)) is not None:
+            seconds = (plain[0] - plain[0].min()) * SECONDS + plain[1] / 1e9
+            return self._from_first(seconds - seconds.min(), words_of(ISO).partition(", in days")[0])
         texts = self.texts(TIME)
         present = [text for text in dict.fromkeys(texts) if text and not is_missing_word(text)]
         if column.dtype.kind in "iuf" or all(plain_number(text) is not None for text in present):

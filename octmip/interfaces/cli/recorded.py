@@ -13,7 +13,18 @@ if TYPE_CHECKING:
     from octmip.formats.table import Table
     from octmip.twin import Twin
 
-OPTIONS = ("readings", "loads", "load_units", "least", "test", "no_reading", "modes", "vibrations", "show_windows")
+OPTIONS = (
+    "readings",
+    "loads",
+    "load_units",
+    "least",
+    "test",
+    "no_reading",
+    "modes",
+    "vibrations",
+    "levels",
+    "show_windows",
+)
 """What only a recording takes."""
 
 
@@ -26,6 +37,7 @@ def table_of(arguments: argparse.Namespace, path: str, twin: "Twin", is_commissi
         a recording without windows, options of a recording beside a table, or windows for two recordings.
     """
     from octmip.recordings.averages import averages_of
+    from octmip.recordings.levels import how_of
     from octmip.recordings.opening import format_of, recording
     from octmip.recordings.windows import window_of
 
@@ -57,6 +69,7 @@ def table_of(arguments: argparse.Namespace, path: str, twin: "Twin", is_commissi
         windows=[window_of(text) for text in arguments.windows or ()],
         steady=arguments.steady or (),
         modes=_frequencies(_pairs(arguments, "modes")),
+        levels={name: how_of(words) for name, words in _pairs(arguments, "levels").items()},
         **{name: getattr(arguments, name) for name in ("least", "test", "no_reading", "vibrations")},
     )
     if arguments.show_windows and not is_commissioning:

@@ -6,6 +6,7 @@ no sample before the last change is right, so the channel is refused.
 """
 
 import functools
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -84,9 +85,11 @@ def read(path: Path) -> Recording:
             time = _beside(file[group], name, start or 0) if time is None else time
             return Channel(f"{group}/{name}", str(own[-1][1].get("unit_string", "")), time, file[group][name][:])
 
-    return Recording(
-        "TDMS", {"/".join(k): functools.partial(loaded, *k) for k in pieces if pieces[k]}, start, sum(notes, ())
-    )
+    names = Counter("/".join(key) for key in pieces if pieces[key])
+    # channel C of group A/B and B/C of A would both be A/B/C
+    label = {key: name if names[name := "/".join(key)] == 1 else "'{}'/'{}'".format(*key) for key in pieces}
+    loaders = {label[key]: functools.partial(loaded, *key) for key in pieces if pieces[key]}
+    return Recording("TDMS", loaders, start, sum(notes, ()))
 
 
 def _without_start(pieces: Mapping[tuple[str, str], Pieces], starts: Sequence[int]) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from octmip.formats.table import read_table
 from octmip.formats.table.units import unit_behind
 from octmip.gap.campaign.columns import TIME, CampaignColumns
 from octmip.input.messages import several
+from octmip.recordings.readers import lvm
 from octmip.recordings.readers.clock import TIMES, times_among
 from octmip.recordings.recording import Channel, Recording
 
@@ -21,6 +22,8 @@ def read(path: Path) -> Recording:
     DataError
         no column holds times, or they cannot be read.
     """
+    if lvm.is_measurement(path):
+        return lvm.read(path)
     table = read_table(path, keeps_names=True)
     units = {column: unit_behind(column)[1] or dict(table.units).get(column, "") for column in table.columns}
     stamps = times_among(units)

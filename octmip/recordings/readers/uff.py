@@ -15,15 +15,17 @@ with needed_by("a recording of UFF58"):
 TIME_RESPONSE, GENERAL, TIME = (0, 1), (0, 1), 17
 """Types of functions, and of abscissas, that may be series of time; an abscissa of no known kind counts where the
 function is a time response."""
-EVEN = 1
+EVEN, HEAD_LINES = 1, 13
+WIDTHS = {(2, 0): (78, (13, 13)), (2, 1): (78, (13,)), (4, 0): (66, (13, 20)), (4, 1): (80, (20,))}
+"""Of a line and of a pair of time and number, or of a number, by the types of the ordinate and of the spacing."""
 
 
 def read(path: Path) -> Recording:
     """Return the time responses of a file by their first line of text, or by node and direction."""
     file = pyuff.UFF(str(path))
-    sets = [file.read_sets(k) for k, kind in enumerate(file.get_set_types()) if kind == 58]
-    series = [one for one in sets if _is_of_time(one)]
-    names = [_text(one, "id1") or f"node {one['rsp_node']} direction {one['rsp_dir']}" for one in series]
+    sets = [(k, file.read_sets(k, header_only=True)) for k, kind in enumerate(file.get_set_types()) if kind == 58]
+    series = [(k, one) for k, one in sets if _is_of_time(one)]
+    names = [_text(one, "id1") or f"node {one['rsp_node']} direction {one['rsp_dir']}" for _, one in series]
     labels = [name if names.count(name) == 1 else f"{name}#{k + 1}" for k, name in enumerate(names)]
     left_out = len(sets) - len(series)
     others = (
@@ -32,11 +34,47 @@ def read(path: Path) -> Recording:
         else f"{left_out} functions that are no time responses are"
     )
     notes = (f"{others} left out.",) if left_out else ()
-    loaders = {
-        label: functools.partial(Channel, label, _text(one, "ordinate_axis_units_lab"), _time(one), one["data"])
-        for label, one in zip(labels, series, strict=True)
-    }
+
+    def loaded(label: str, k: int, one: dict[str, Any]) -> Channel:
+        found = _columns(path, file, k, one)
+        if found is None:
+            whole = file.read_sets(k)
+            found = whole["x"], whole["data"]
+        times, values = found
+        if one["abscissa_spacing"] == EVEN:  # its step has more digits than their sum
+            times = one["abscissa_min"] + one["abscissa_inc"] * np.arange(len(values))
+        return Channel(label, _text(one, "ordinate_axis_units_lab"), np.asarray(times, dtype=np.float64), values)
+
+    loaders = {label: functools.partial(loaded, label, *pair) for label, pair in zip(labels, series, strict=True)}
     return Recording("UFF58", loaders, notes=notes)
+
+
+def _columns(path: Path, file: Any, k: int, one: dict[str, Any]) -> tuple[Floats, Floats] | None:
+    """Return times and real numbers of a text whose lines are all of one length; None of another, which pyuff reads."""
+    cells = WIDTHS.get((one["ord_data_type"], one["abscissa_spacing"]))
+    if one["binary"] or cells is None:
+        return None
+    first, last = file._block_ind[k]
+    with path.open("rb") as stream:
+        stream.seek(first)
+        body = stream.read(last - first + 1).split(b"\n", HEAD_LINES)[-1]
+    size, widths = cells
+    length = body.find(b"\n") + 1
+    lines = np.frombuffer(body, np.uint8, count=len(body) // max(length, 1) * length).reshape(-1, max(length, 1))
+    is_even = length > size and (lines[:, size] == lines[0, size]).all() and (lines[:, -1] == ord("\n")).all()
+    tail = body[lines.size :].rstrip(b"\r\n")
+    if not is_even or length - size > 2 or len(tail) % sum(widths):
+        return None
+    text = np.append(lines[:, :size].ravel(), np.frombuffer(tail, np.uint8)).reshape(-1, sum(widths))
+    ends = np.cumsum(widths)
+    try:
+        found = [
+            np.ascontiguousarray(text[:, end - width : end]).view(f"S{width}")[:, 0].astype(np.float64)
+            for width, end in zip(widths, ends, strict=True)
+        ]
+    except ValueError:
+        return None
+    return found[0], found[-1]
 
 
 def _is_of_time(one: dict[str, Any]) -> bool:
@@ -47,10 +85,3 @@ def _is_of_time(one: dict[str, Any]) -> bool:
 def _text(one: dict[str, Any], key: str) -> str:
     text = str(one.get(key, "")).strip()
     return "" if text == "NONE" else text
-
-
-def _time(one: dict[str, Any]) -> Floats:
-    """Return the times: of even spacing from its step, which has more digits than their sum."""
-    even = one["abscissa_spacing"] == EVEN
-    time = one["abscissa_min"] + one["abscissa_inc"] * np.arange(len(one["data"])) if even else one["x"]
-    return np.asarray(time, dtype=np.float64)

@@ -77,6 +77,7 @@ def _add_recording_arguments(parser: argparse.ArgumentParser) -> None:
         ("windows", "START,END[,TEST]", str, "windows of a recording [s]"),
         ("modes", "NAME=HERTZ", str, "readings that are frequencies or damping of modes, and about where each mode is"),
         ("vibrations", "CHANNEL", str, "channels of a recording by which modes are identified"),
+        ("levels", "NAME=LEVEL", str, "readings that are max, min, or the RMS from LOW:HIGH Hz, instead of means"),
         ("no-reading", "NUMBER", float, "numbers by which a logger says that there is no reading"),
     ):
         parser.add_argument(f"--{name}", metavar=metavar, type=kind, nargs="+", action="extend", default=[], help=words)
