@@ -13,7 +13,7 @@ from femlib.wing.damage import DamageRegion
 from femlib.wing.strength import FINE_STEPS, wing_capability, wing_limits
 from femlib.wing.structure import CARBON_LENGTH
 
-PAIRS = ("R1 R25", "R3 R24", "R15 R20", "R4 R26", "R7 R25")
+PAIRS = ("R1 R25", "R3 R24", "R15 R20")
 """Regions that lie side by side, where damage of one changes most in the other."""
 LOST = ((0.5, 0.0), (0.0, 0.75), (0.8, 0.8), (0.3, 0.9), (0.88, 0.65))
 """Of a pair: levels between those that the reduced model knows, and both at once, which it knows nothing of."""
