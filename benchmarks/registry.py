@@ -53,6 +53,7 @@ FAMILIES = {
     # Shells: docs/results/shells.md. Meshes of the wing: docs/wing.md. Noise of a campaign: docs/gap/noise.md
     "fem_shells": "benchmarks.cases.fem_shells",
     "capability_meshes": "benchmarks.cases.fem_capability",
+    "capability_regions": "benchmarks.cases.fem_capability_regions",
     "gap_noise": "benchmarks.cases.gap_noise",
 }
 

@@ -34,7 +34,7 @@ SMOOTH = 0.7
 """Cosine of the angle between elements of one curved surface, at least."""
 LEAST_FITTED = 6
 """Elements of a triangle's fit at a corner, if the patch has so many within two rings."""
-N_NEAREST = 12
+N_NEAREST = 96
 """Elements, nearest by centroid, among which a gauge's element is looked for."""
 MOST_STRAIN = 50_000.0
 """Largest strain [microstrain] of linear analysis: carbon breaks at a third of it, metals yield at a tenth."""

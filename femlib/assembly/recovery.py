@@ -14,6 +14,8 @@ those of the nodes inside); J. M. Whitney, R. J. Nuismer, J. Composite Materials
 length). Price: two rows of elements do not show how a slope changes.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 import scipy.sparse as sparse
 from scipy.spatial import cKDTree
@@ -29,9 +31,23 @@ FAR = 0.01
 INSIDE = 1e-3
 """Weight of points beside the means of their elements, for directions that these leave open."""
 SMALL, CUTS = 1.3, 4
-"""Sides over the length up to which elements are cut, and in how many parts a side is."""
+"""Sides over the length up to which elements are cut, and in how many parts such a side is."""
+MOST_LONG = 16.0
+"""Times that length that a side's cells still keep their size."""
+EDGE = 0.05
+"""Distance of the middle of what lies within the length over the length, beyond which a node is at an edge."""
 MOST_PAIRS = 20_000_000
 """Nodes times points within the length, at most: some 2 GB."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cells:
+    """Pieces of elements: middles (n, 3) [m], areas (n,) [m^2], parts (n,), and strains of points' (n, n_points)."""
+
+    place: FloatArray
+    area: FloatArray
+    part: IntArray
+    values: sparse.csr_array
 
 
 def nodal_tensors(shells: Shells, kinds: list[PointStrains], length: float = 0.0) -> tuple[IntArray, FloatArray]:
@@ -75,14 +91,10 @@ def _nodal_rows(shells: Shells, kinds: list[PointStrains], length: float) -> tup
     fits = _fits(weight, np.concatenate([means @ places, places]), node, read, tangents)
     rows = fits @ sparse.vstack([means, sparse.eye_array(len(places))], "csr")
     if length > 0.0:
-        longest = np.concatenate(
-            [np.linalg.norm(np.roll(k.points, -1, 1) - k.points, axis=2).max(axis=1) for k in kinds]
-        )
-        is_small = at @ (longest > SMALL * length) == 0.0
-        part, of_element = names % shells.n_smooth, np.zeros(len(whole), dtype=np.int64)
-        of_element[element] = part[group]
+        is_small = _extents(kinds, group, read, length) <= SMALL * length
         if is_small.any():
-            means = _means(kinds, np.flatnonzero(is_small), node, part, of_element, length)
+            cells = _cells(kinds, node[is_small], shells.n_smooth, length)
+            means = _means(cells, np.flatnonzero(is_small), node, names % shells.n_smooth, length)
             rows = sparse.diags_array(1.0 * ~is_small) @ rows + means
     return names, sparse.csr_array(rows)
 
@@ -121,20 +133,30 @@ def _is_edge(kinds: list[PointStrains], names: IntArray) -> BoolArray:
     return np.isin(names, once[count == 1])
 
 
-def _means(
-    kinds: list[PointStrains], asked: IntArray, node: FloatArray, part: IntArray, of_element: IntArray, length: float
-) -> sparse.csr_array:
+def _extents(kinds: list[PointStrains], group: IntArray, read: FloatArray, length: float) -> FloatArray:
+    """Return how far elements at nodes and parts (g,) reach [m]: across an edge, elsewhere where they are short.
+
+    Elements are long where strains change slowly.
+    """
+    found, first = np.zeros(len(read)), 0
+    size = np.linalg.norm(read, axis=1)
+    inward = read / np.maximum(size, 1e-300)[:, None]
+    for kind in kinds:
+        own = group[first : first + kind.group.size].reshape(kind.group.shape)
+        first += kind.group.size
+        sides = np.stack([np.roll(kind.points, step, axis=1) - kind.points for step in (-1, 1)])
+        across = np.abs(np.einsum("seni,eni->sen", sides, inward[own])).max(axis=0)
+        least = np.linalg.norm(sides[0], axis=2).min(axis=1, keepdims=True)
+        np.maximum.at(found, own, np.where(size[own] > EDGE * length, across, least))
+    return found
+
+
+def _means(cells: Cells, asked: IntArray, node: FloatArray, part: IntArray, length: float) -> sparse.csr_array:
     """Return the rows (g, n_points) of means over what lies within the length of the nodes `asked`, others empty.
 
-    `part` (g,) are those of the nodes, `of_element` (n_elements,) those of the elements. A cell's share falls from 1 to
-    0 while the length's end crosses its square.
+    `part` (g,) are those of the nodes. A cell's share falls from 1 to 0 while the length's end crosses its square.
     """
-    whole = np.concatenate([kind.area.sum(axis=1) for kind in kinds])
-    blocks = [np.repeat(_inside(k.shapes)[None] @ np.linalg.inv(k.shapes)[None], len(k.area), axis=0) for k in kinds]
-    places = np.concatenate([(_inside(k.shapes) @ k.points).reshape(-1, 3) for k in kinds])
-    element = np.repeat(np.arange(len(whole)), CUTS**2)
-    area = whole[element] / CUTS**2
-    tree, reach = cKDTree(places), 1.5 * length
+    tree, reach = cKDTree(cells.place), 1.5 * length
     counts = tree.query_ball_point(node[asked], reach, return_length=True)
     if counts.sum() > MOST_PAIRS:
         raise InputError(
@@ -143,22 +165,49 @@ def _means(
         )
     found = np.concatenate([np.asarray(own, dtype=np.int64) for own in tree.query_ball_point(node[asked], reach)])
     row = np.repeat(asked, counts)
-    away = np.linalg.norm(places[found] - node[row], axis=1)
-    share = np.clip((length - away) / np.sqrt(area[found]) + 0.5, 0.0, 1.0) * area[found]
-    share *= part[row] == of_element[element[found]]
-    shares = sparse.csr_array((share, (row, found)), shape=(len(node), len(places)))
+    away = np.linalg.norm(cells.place[found] - node[row], axis=1)
+    share = np.clip((length - away) / np.sqrt(cells.area[found]) + 0.5, 0.0, 1.0) * cells.area[found]
+    share *= part[row] == cells.part[found]
+    shares = sparse.csr_array((share, (row, found)), shape=(len(node), len(cells.place)))
     shares.eliminate_zeros()
-    each = sparse.block_diag([block for of_kind in blocks for block in of_kind], "csr")
-    return sparse.csr_array(sparse.diags_array(1.0 / np.maximum(shares.sum(axis=1), 1e-300)) @ shares @ each)
+    return sparse.csr_array(sparse.diags_array(1.0 / np.maximum(shares.sum(axis=1), 1e-300)) @ shares @ cells.values)
 
 
-def _inside(shapes: FloatArray) -> FloatArray:
-    """Return the shape functions (CUTS^2, n) at the middles of an element's cells."""
-    middles = (2.0 * np.arange(CUTS) + 1.0) / CUTS - 1.0
+def _cells(kinds: list[PointStrains], asked: FloatArray, n_parts: int, length: float) -> Cells:
+    """Return the cells of the elements near places `asked` (n, 3)."""
+    near, first, found = cKDTree(asked), 0, []
+    for kind in kinds:
+        sides = np.linalg.norm(np.roll(kind.points, -1, 1) - kind.points, axis=2)
+        is_near = near.query(kind.points.mean(axis=1))[0] <= 1.5 * length + sides.sum(axis=1) / 3.0
+        along = np.stack([sides[:, 0::2].max(axis=1), sides[:, 1::2].max(axis=1)], axis=1)
+        asks = np.clip(along if sides.shape[1] == 4 else sides.max(axis=1, keepdims=True).repeat(2, 1), 0.0, None)
+        cuts = CUTS * 2 ** np.ceil(np.log2(np.clip(asks / (SMALL * length), 1.0, MOST_LONG))).astype(np.int64)
+        n_points = kind.area.shape[1]
+        for pair in np.unique(cuts[is_near], axis=0).tolist():
+            own = np.flatnonzero(is_near & (cuts == pair).all(axis=1))
+            inside = _inside(kind.shapes, *pair)
+            place = (inside @ kind.points[own]).reshape(-1, 3)
+            area = np.repeat(kind.area[own].sum(axis=1) / len(inside), len(inside))
+            part = np.repeat(kind.group[own, 0] % n_parts, len(inside))
+            point = first + own[:, None, None] * n_points + np.arange(n_points)
+            point = np.broadcast_to(point, (len(own), len(inside), n_points)).ravel()
+            weight = np.broadcast_to(inside @ np.linalg.inv(kind.shapes), (len(own), len(inside), n_points)).ravel()
+            found.append((place, area, part, point, weight))
+        first += kind.area.size
+    places, areas, parts = (np.concatenate([own[k] for own in found]) for k in range(3))
+    points, weights = (np.concatenate([own[k] for own in found]) for k in (3, 4))
+    ends = np.concatenate([[0], *(np.full(len(p), len(w) // len(p)) for p, *_, w in found)]).cumsum()
+    return Cells(places, areas, parts, sparse.csr_array((weights, points, ends), shape=(len(places), first)))
+
+
+def _inside(shapes: FloatArray, n_r: int, n_s: int) -> FloatArray:
+    """Return the shape functions (n_cells, n) at the middles of an element's cells, n_r by n_s of a quadrilateral."""
     if shapes.shape[1] == len(CORNERS):
-        return np.array([shape(r, s) for r in middles.tolist() for s in middles.tolist()])
-    third = np.array([(3 * i + 1 + k, 3 * j + 1 + k) for i in range(CUTS) for j in range(CUTS - i) for k in (0, 1)])
-    third = third[third.sum(axis=1) < 3 * CUTS] / (3.0 * CUTS)
+        along, across = ((2.0 * np.arange(n) + 1.0) / n - 1.0 for n in (n_r, n_s))
+        return np.array([shape(r, s) for r in along.tolist() for s in across.tolist()])
+    n = n_r
+    third = np.array([(3 * i + 1 + k, 3 * j + 1 + k) for i in range(n) for j in range(n - i) for k in (0, 1)])
+    third = third[third.sum(axis=1) < 3 * n] / (3.0 * n)
     return np.column_stack([1.0 - third.sum(axis=1), third])
 
 

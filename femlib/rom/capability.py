@@ -4,14 +4,12 @@ Three limits, each a factor on the load, of which the least counts: a ply fails 
 the ray of loads), the shells buckle (`femlib.rom.buckling`), a displacement reaches what is allowed. Strains are those
 of the reduced model at the corners that came near failing first in sampled states.
 
-The error is checked, not bounded: `error` is the largest distance from the full model over states that were drawn
-apart from the sampled ones, `mesh_error` three times that of the full model from one on a finer mesh: two meshes tell
-the error of a first-order answer at one time their distance, and a safety of three covers what they do not show.
-
-Source: P. J. Roache, J. Fluids Eng. 116 (1994) 405-413 (the safety of two grids).
+Finer meshes of single regions turn the factors of plies into those of fine meshes (`femlib.rom.zones`). The error is
+checked, not bounded: `error` is the largest distance from the full model, on the same mesh, over states that were drawn
+apart from the sampled ones; `mesh_error` is half of what the step to meshes without end adds to the finest.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -19,20 +17,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import ndtr
 
-from femlib.arrays import FloatArray
+from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import buckling_modes
 from femlib.assembly.stresses import Block, Faces, block_factors, blocks_of, corner_strains
 from femlib.components import DamagedStructure, checked_damage
 from femlib.errors import InputError, is_number, is_whole
 from femlib.rom.buckling import ReducedBuckling, Sampled, reduce_buckling
+from femlib.rom.zones import LEVELS as DAMAGES
+from femlib.rom.zones import Zones, measured_zones, zone_needs, zone_of_corners
 
 LIMITS = ("ply", "buckling", "deflection")
 NEAR = 1.25
 """A corner is kept if in some sampled state its factor is within this of the least."""
 FAR = 1e3
 """A limit this many times beyond the least is none: a strip that only bends does not buckle."""
-SAFETY = 3.0
-"""Times that the distance from a finer mesh is stated as the error of the mesh."""
 MOST_KEPT = 400
 """Corners and heights kept, those that came nearest."""
 WORST, HALF = 0.9, 0.5
@@ -105,8 +103,11 @@ class Capability:
     error : float
         Largest relative error of a limit against the full model over the checked states; NaN if none.
     mesh_error : float
-        `SAFETY` times the largest relative distance of the full model's least limit from that on a finer mesh; NaN if
-        none was given.
+        Estimated relative error of the plies' factors by the mesh, `Zones.error`; NaN without finer meshes.
+    zones : Zones, optional
+        What finer meshes make of the plies' factors.
+    zone : IntArray, optional
+        Zone of each row of `strains` (n,).
     """
 
     model: Motions
@@ -117,6 +118,8 @@ class Capability:
     criterion: str
     error: float = float("nan")
     mesh_error: float = float("nan")
+    zones: Zones | None = None
+    zone: IntArray | None = None
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -151,6 +154,8 @@ class Capability:
         parts = self.model.parts(damage[None])[0]
         strains = (self.strains.reshape(-1, len(parts)) @ parts).reshape(-1, 3)  # one product, not one a corner
         factors = block_factors(self.blocks, strains, self.criterion)
+        if self.zones is not None:
+            factors /= self.zones.grown(damage)[self.zone]
         deflected = abs(float(self.deflection @ parts))
         return float(factors.min()), self.buckling.factor(damage, parts), 1.0 / max(deflected, 1e-300)
 
@@ -163,7 +168,7 @@ def reduce_capability(
     n_states: int = 300,
     n_checks: int = 6,
     seed: int = 0,
-    finer: Callable[[FloatArray], FloatArray] | None = None,
+    finer: Callable[[int], Iterable[FloatArray]] | None = None,
 ) -> Capability:
     """Return the capability under the load that a reduced model was made for.
 
@@ -182,7 +187,7 @@ def reduce_capability(
     seed : int
         Of both.
     finer : callable, optional
-        From a state (n_parameters,) to the limits (3,) on a finer mesh, in the checked states.
+        From a component's number to `needs_alone` on two meshes of it alone, as for `femlib.rom.zones.measured_zones`.
 
     Raises
     ------
@@ -199,18 +204,32 @@ def reduce_capability(
     alone = np.concatenate([0.0 * each[:1], WORST * each, HALF * each])
     drawn = np.concatenate([alone, drawn_states(rng, n_states, len(model.parameters))])
     solved, forced = (Sampled(states, model.parts(states)) for states in (alone, drawn))
-    blocks, strains = _kept(structure, motion, limits, forced.parts)
+    every = blocks_of(structure.shells, limits.faces)
+    of_parts = np.stack([corner_strains(structure.shells, column, limits.length) for column in motion.T], axis=2)
+    zones = None
+    if finer is not None:
+        own = zone_of_corners(structure)
+        zones = measured_zones(
+            structure,
+            lambda state: zone_needs(every, of_parts @ model.parts(state[None])[0], limits.criterion, own),
+            finer,
+        )
+    kept = _kept(every, of_parts, limits.criterion, forced, zones)
+    strains = np.concatenate([np.moveaxis(block.strain(of_parts), -1, 1) for block in kept])
+    zone = None if zones is None else zones.of_corner[np.concatenate([block.corners for block in kept])]
     buckling = reduce_buckling(structure, motion, solved, forced)
-    found = Capability(model, blocks, strains, buckling, limits.row @ motion / limits.most_deflection, limits.criterion)
+    deflection = limits.row @ motion / limits.most_deflection
+    off = float("nan") if zones is None else zones.error
+    found = Capability(
+        model, kept, strains, buckling, deflection, limits.criterion, mesh_error=off, zones=zones, zone=zone
+    )
     states = drawn_states(rng, n_checks, len(model.parameters))
-    full = np.array([full_limits(structure, limits, load(state), state) for state in states]).reshape(-1, len(LIMITS))
-    most = FAR * full.min(axis=1, keepdims=True, initial=np.inf)
-    errors = np.abs(np.minimum(found.limits(states), most) / np.minimum(full, most) - 1.0).max(axis=1)
+    full = [full_limits(structure, limits, load(state), state, zones) for state in states]
     if not n_checks:
         return found
-    fine = full if finer is None else np.array([finer(state) for state in states])
-    off = SAFETY * np.abs(full.min(axis=1) / fine.min(axis=1) - 1.0).max()
-    return replace(found, error=float(errors.max()), mesh_error=float("nan" if finer is None else off))
+    most = FAR * np.min(full, axis=1, keepdims=True)
+    errors = np.abs(np.minimum(found.limits(states), most) / np.minimum(full, most) - 1.0)
+    return replace(found, error=float(errors.max()))
 
 
 def drawn_states(rng: np.random.Generator, n: int, n_parameters: int) -> FloatArray:
@@ -223,7 +242,9 @@ def drawn_states(rng: np.random.Generator, n: int, n_parameters: int) -> FloatAr
     return states
 
 
-def full_limits(structure: DamagedStructure, limits: Limits, load: FloatArray, state: FloatArray) -> FloatArray:
+def full_limits(
+    structure: DamagedStructure, limits: Limits, load: FloatArray, state: FloatArray, zones: Zones | None = None
+) -> FloatArray:
     """Return the factors (3,) of `LIMITS` of one state (n_parameters,) by the full model."""
     shells = structure.shells
     moved = structure.solve(state[None], load)[0]
@@ -232,35 +253,44 @@ def full_limits(structure: DamagedStructure, limits: Limits, load: FloatArray, s
     factor = modes[0].factor if modes else float("inf")
     return np.array(
         [
-            first_ply(structure, limits, moved),
+            first_ply(structure, limits, moved, None if zones is None else zones.grown(state)),
             factor,
             limits.most_deflection / max(abs(float(limits.row @ moved)), 1e-300),
         ]
     )
 
 
-def first_ply(structure: DamagedStructure, limits: Limits, moved: FloatArray) -> float:
-    """Return the factor on displacements (n_dofs,) at which the first ply fails."""
+def first_ply(structure: DamagedStructure, limits: Limits, moved: FloatArray, grown: FloatArray | None = None) -> float:
+    """Return the factor on displacements (n_dofs,) at which the first ply fails; `grown` as `Zones.grown`."""
+    needs = _needs(structure, limits, moved)
+    return 1.0 / float((needs if grown is None else needs * grown).max())
+
+
+def needs_alone(structure: DamagedStructure, limits: Limits, load: FloatArray) -> FloatArray:
+    """Return `zone_needs` (n_levels, 2) of a structure's one component and of the rest, at `zones.LEVELS`."""
+    moved = structure.solve(np.array(DAMAGES)[:, None], load)
+    return np.array([_needs(structure, limits, own) for own in moved])
+
+
+def _needs(structure: DamagedStructure, limits: Limits, moved: FloatArray) -> FloatArray:
     strains = corner_strains(structure.shells, moved, limits.length)
     every = blocks_of(structure.shells, limits.faces)
-    return min(float(block.factors(block.strain(strains), limits.criterion).min()) for block in every)
+    return zone_needs(every, strains, limits.criterion, zone_of_corners(structure))
 
 
 def _kept(
-    structure: DamagedStructure, motion: FloatArray, limits: Limits, parts: FloatArray
-) -> tuple[tuple[Block, ...], FloatArray]:
-    """Return the corners that come near failing first, and their strains (n, 3, n_parts) of the motions."""
-    shells = structure.shells
-    of_parts = np.stack([corner_strains(shells, column, limits.length) for column in motion.T], axis=2)
-    every = blocks_of(shells, limits.faces)
+    every: Sequence[Block], of_parts: FloatArray, criterion: str, forced: Sampled, zones: Zones | None
+) -> tuple[Block, ...]:
+    """Return the corners that come near failing first in sampled states; `of_parts` (n_corners, 6, n_parts)."""
     near = [np.full(len(block.corners), np.inf) for block in every]
-    for part in parts:
+    for state, part in zip(forced.states, forced.parts, strict=True):
         strains = of_parts @ part
-        factors = [block.factors(block.strain(strains), limits.criterion) for block in every]
+        factors = [block.factors(block.strain(strains), criterion) for block in every]
+        if zones is not None:
+            grown = zones.grown(state)[zones.of_corner]
+            factors = [own / grown[block.corners] for block, own in zip(every, factors, strict=True)]
         least = min(float(own.min()) for own in factors)
         near = [np.minimum(old, own / least) for old, own in zip(near, factors, strict=True)]
     most = min(NEAR, float(np.sort(np.concatenate(near))[: MOST_KEPT + 1][-1]))
     kept = [replace(b, corners=b.corners[own <= most]) for b, own in zip(every, near, strict=True)]
-    blocks = tuple(block for block in kept if len(block.corners))
-    strains = [np.moveaxis(block.strain(of_parts), -1, 1) for block in blocks]
-    return blocks, np.concatenate(strains)
+    return tuple(block for block in kept if len(block.corners))

@@ -68,9 +68,17 @@ def built_wing(
     """Return the wing; parameters and errors as `uav_wing`, regions of `built_library()` for all 28.
 
     `edge_step` [m] is the distance of the first grid lines from edges of regions and layups, 0 for no closer ones; what
-    the wing bears asks for `CARBON_LENGTH`.
+    the wing bears asks for three times `CARBON_LENGTH`, and for `close_wing` besides.
     """
     installed = pitched_places(FRONT, (0.29462, 0.5998), PITCH, (0.21301, 0.3414))
     places = np.concatenate([installed, candidate_places()]) if candidates else installed
     cards = built_materials() if materials is None else materials
     return checked_wing(refinement, regions, cards, effective_mass, places, installed[:16, 0], LEFT_OUT, edge_step)
+
+
+def close_wing(region: DamageRegion, edge_step: float) -> Wing:
+    """Return the wing with one damage region and lines close to its edges, `edge_step` [m] away and twice as far each.
+
+    What it bears is 0.5 % less than on meshes of twice the refinement.
+    """
+    return built_wing(refinement=0.5, regions=(region,), edge_step=edge_step)

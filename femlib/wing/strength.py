@@ -1,18 +1,21 @@
 """What the wing bears: stresses of its plies, reactions at the root, and the greatest load factor of a damage state."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
 from femlib.arrays import FloatArray, Judged, judged
 from femlib.assembly import Stresses, ply_stresses, solution_quality
 from femlib.assembly.stresses import Faces
-from femlib.rom.capability import Capability, Limits, full_limits, reduce_capability
+from femlib.rom.capability import Capability, Limits, needs_alone, reduce_capability
+from femlib.wing.damage import DamageRegion
 from femlib.wing.model import Wing
 from femlib.wing.reduced import ReducedWing
 from femlib.wing.structure import CARBON_LENGTH
 from femlib.wing.trim import TrimmedWing
 
+FINE_STEPS = (CARBON_LENGTH / 4.0, CARBON_LENGTH / 8.0)
+"""Distances of the first lines from edges on fine meshes [m]."""
 TIP_LIMIT = 0.25
 """Deflection of the tip's spar that a load may cause, over the half-span; beyond it linear analysis says little."""
 
@@ -29,7 +32,7 @@ def wing_stresses(
     """Return strains and stresses at the corners of skins, web and ribs; arguments and errors as `Wing.solve`.
 
     Strains are means over `CARBON_LENGTH`; the stress of the skin is that of its equivalent layer. `error` is the root
-    of the share of energy that is the mesh's, a mean: of the peak `wing_capability` has an error, by a finer wing.
+    of the share of energy that is the mesh's, a mean: of the peak `wing_capability` has an error, by finer wings.
     """
     moved, factor = wing.solve(state, load_factor, lift).ravel(), wing.structure.left_in(state)
     shells = wing.structure.shells
@@ -55,7 +58,7 @@ def wing_capability(
     limits: Limits | None = None,
     n_states: int = 300,
     n_checks: int = 6,
-    finer: Wing | None = None,
+    finer: Callable[[DamageRegion, float], Wing] | None = None,
 ) -> Capability:
     """Return the greatest load factors of the wing's damage states, from its reduced model.
 
@@ -67,11 +70,17 @@ def wing_capability(
         Those of `wing_limits` if not given.
     n_states, n_checks : int
         As for `femlib.rom.capability.reduce_capability`.
-    finer : Wing, optional
-        The same wing on a finer mesh, from which `mesh_error` is taken under its own lift.
+    finer : callable, optional
+        From a region and the distance of the first lines beside its edges [m] to the wing with that region alone, such
+        as `femlib.wing.built.close_wing`: plies then fail as on fine meshes. `FINE_STEPS` are asked for.
     """
     chosen = wing_limits(wing) if limits is None else limits
-    if isinstance(reduced, TrimmedWing):
-        return reduce_capability(wing.structure, reduced, chosen, reduced.lift, n_states, n_checks)
-    fine = None if finer is None else lambda state: full_limits(finer.structure, wing_limits(finer), finer.lift, state)
-    return reduce_capability(wing.structure, reduced.model, chosen, lambda _: wing.lift, n_states, n_checks, finer=fine)
+    model, lift = (reduced, reduced.lift) if isinstance(reduced, TrimmedWing) else (reduced.model, lambda _: wing.lift)
+    fine = None if finer is None else lambda k: _needs(finer, wing.regions[k], chosen.criterion)
+    return reduce_capability(wing.structure, model, chosen, lift, n_states, n_checks, finer=fine)
+
+
+def _needs(finer: Callable[[DamageRegion, float], Wing], region: DamageRegion, criterion: str) -> Iterator[FloatArray]:
+    for step in FINE_STEPS:
+        own = finer(region, step)
+        yield needs_alone(own.structure, wing_limits(own, criterion=criterion), own.lift)

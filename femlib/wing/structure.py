@@ -15,7 +15,7 @@ from femlib.assembly import Shells
 from femlib.errors import InputError, is_number
 from femlib.geometry import Naca4, Planform, grid_lines
 from femlib.material import Laminate, isotropic_plate
-from femlib.mesh import Mesh
+from femlib.mesh import Mesh, QualityLimits
 from femlib.strength import Strength
 from femlib.wing.damage import SURFACES, DamageRegion
 
@@ -35,8 +35,12 @@ NOSE_END = 0.12
 """Chord fraction up to which the lines crowd toward the leading edge."""
 STEP_NOSE = 0.2
 """Largest step of sqrt(x/c / 0.12) at refinement 1: the section curves most at its nose."""
-EDGE_STEPS = (1.0, 3.0, 7.0)
-"""Lines on both sides of an edge over the first one's distance, for a mesh that is close there."""
+EDGE_REACH = 0.03
+"""Width of the zone on both sides of an edge in which lines are close [m]."""
+LINES_ASPECT = 4000.0
+"""Aspect ratio of elements up to which close lines may run on, far from the edges that asked for them."""
+DEPTH = 0.06
+"""Height of the spar at the root [m]."""
 CARBON_LENGTH = 3.8e-3
 """Length over which strains are means before plies are asked whether they fail [m]: the strain of a region's corner
 grows without limit as the mesh is refined. Source: J. M. Whitney, R. J. Nuismer, J. Composite Materials 8 (1974)
@@ -45,8 +49,8 @@ ROOT_END = 1.0 / 6.0
 """Span fraction up to which the root's layup reaches; a rib of 13 stands there."""
 MIDDLE = 0.5
 """Span fraction at which the skin's layup steps; a rib of 13 stands there."""
-N_WEB_LEVELS = 2
-"""Elements over the height of web and ribs."""
+LEVELS = (0.0, 0.5, 1.0)
+"""Height fractions of web and ribs, from the upper skin, at which they have nodes."""
 
 
 SKIN_STRAINS = (6.0e-3, 4.5e-3, 9.0e-3)
@@ -181,11 +185,13 @@ class WingGrid:
     upper, lower : IntArray
         Nodes (n_eta, n_chord) of the skins; equal in the first and last column.
     inside : IntArray
-        Nodes (n_eta, n_chord, N_WEB_LEVELS - 1) between the skins, -1 where neither web nor rib needs one.
+        Nodes (n_eta, n_chord, n_levels) between the skins, -1 where neither web nor rib needs one.
     rib_rows : IntArray
         Indices into `eta` of the ribs (n_ribs,).
     spar_column : int
         Index into `chord` of the spar.
+    levels : FloatArray
+        Height fractions of the nodes between the skins (n_levels,), from the upper skin.
     """
 
     eta: FloatArray
@@ -195,6 +201,7 @@ class WingGrid:
     inside: IntArray
     rib_rows: IntArray
     spar_column: int
+    levels: FloatArray
 
     @property
     def n_nodes(self) -> int:
@@ -202,7 +209,7 @@ class WingGrid:
         return int(max(self.lower.max(), self.inside.max())) + 1
 
     def columns(self, row: int) -> IntArray:
-        """Return the nodes (n_chord, N_WEB_LEVELS + 1) of a span station from the upper to the lower skin."""
+        """Return the nodes (n_chord, n_levels + 2) of a span station from the upper to the lower skin."""
         return np.concatenate([self.upper[row, :, None], self.inside[row], self.lower[row, :, None]], axis=1)
 
 
@@ -218,29 +225,31 @@ def wing_grid(
 
     Ribs, spar, region edges and the span fractions `gauge_eta` of the installed gauges lie on grid lines, so that
     strains and damage increments converge smoothly; steps shrink with 1 / `refinement`. Beside edges of regions and
-    layups the first lie `edge_step` [m] away if it is not 0.
+    layups, and beside the skins on web and ribs, the first lie `edge_step` [m] away if it is not 0.
     """
     ribs = np.linspace(0.0, 1.0, n_ribs)
     span_edges = [e for r in regions for e in (r.eta_min, r.eta_max)]
-    layups, close = [ROOT_END, MIDDLE] if edge_step else [], edge_step / planform.span
-    eta = _beside(_span_lines(ribs, span_edges, gauge_eta, refinement), [*span_edges, *layups], ribs, close)
+    layups, close, steps = [ROOT_END, MIDDLE] if edge_step else [], edge_step / planform.span, _edge_steps(edge_step)
+    eta = _beside(_span_lines(ribs, span_edges, gauge_eta, refinement), [*span_edges, *layups], ribs, close, steps)
     nose = NOSE_END * grid_lines([0.0, 1.0], STEP_NOSE / refinement) ** 2
     edges, spar = _chord_edges(regions), planform.spar_fraction
     rest = grid_lines([NOSE_END, spar, 1.0, *edges], STEP_CHORD / refinement)
     kept = np.array([0.0, NOSE_END, spar, 1.0])
-    chord = _beside(np.concatenate([nose[:-1], rest]), edges, kept, edge_step / planform.root_chord)
+    joints = [spar] if edge_step else []
+    chord = _beside(np.concatenate([nose[:-1], rest]), [*edges, *joints], kept, edge_step / planform.root_chord, steps)
     rib_rows = np.searchsorted(eta, ribs - 1e-9)
     column = int(np.searchsorted(chord, spar - 1e-9))
     shape = (len(eta), len(chord))
     upper = np.arange(shape[0] * shape[1]).reshape(shape)
     lower = upper.copy()
     lower[:, 1:-1] = upper.size + np.arange(shape[0] * (shape[1] - 2)).reshape(shape[0], -1)
-    needed = np.zeros((*shape, N_WEB_LEVELS - 1), dtype=bool)
+    levels = _beside(np.array(LEVELS), [0.0, 1.0], [], edge_step / DEPTH, steps)[1:-1]
+    needed = np.zeros((*shape, len(levels)), dtype=bool)
     needed[:, column] = True
     needed[rib_rows, 1:-1] = True
     inside = np.full(needed.shape, -1)
     inside[needed] = lower.max() + 1 + np.arange(needed.sum())
-    return WingGrid(eta, chord, upper, lower, inside, rib_rows, column)
+    return WingGrid(eta, chord, upper, lower, inside, rib_rows, column, levels)
 
 
 def _span_lines(ribs: FloatArray, edges: Sequence[float], gauge_eta: FloatArray, refinement: float) -> FloatArray:
@@ -259,15 +268,22 @@ def _span_lines(ribs: FloatArray, edges: Sequence[float], gauge_eta: FloatArray,
     return np.concatenate([*pieces, stops[-1:]])
 
 
-def _beside(lines: FloatArray, edges: Sequence[float], kept: FloatArray, first: float) -> FloatArray:
-    """Return grid lines with others on both sides of `edges`, the nearest `first` away.
+def _edge_steps(first: float) -> list[float]:
+    """Return the distances of the lines beside an edge over that of the first [m], each step twice the one before."""
+    return [2.0**k - 1.0 for k in range(1, 32) if 0.0 < (2.0**k - 1.0) * first < EDGE_REACH]
+
+
+def _beside(
+    lines: FloatArray, edges: Sequence[float], kept: FloatArray | Sequence[float], first: float, steps: Sequence[float]
+) -> FloatArray:
+    """Return grid lines with others on both sides of `edges`, at `steps` times `first`.
 
     They take the place of lines that are nearer than half a step, but for `edges` and those that are `kept`.
     """
     if not first:
         return lines
     fixed, found = np.unique(np.round([*edges, *kept], 12)), lines
-    for step, before in zip(EDGE_STEPS[::-1], (*EDGE_STEPS[-2::-1], 0.0), strict=True):
+    for step, before in zip(steps[::-1], [0.0, *steps[:-1]][::-1], strict=True):
         wanted = np.concatenate([fixed[np.isin(fixed, np.round(edges, 12))] + side * step * first for side in (-1, 1)])
         clear = (np.abs(wanted[:, None] - fixed).min(axis=1) > 0.9 * step * first) & (wanted > 0.0) & (wanted < 1.0)
         wanted = np.sort(wanted[clear])
@@ -302,7 +318,10 @@ def wing_mesh(planform: Planform, section: Naca4, grid: WingGrid, regions: Seque
     for number, region in enumerate(regions):
         surface = plain == patches.index(region.surface)
         patch[surface & region.contains(eta, chord)] = len(SURFACES) + 1 + number
-    return Mesh(_positions(planform, section, grid), np.concatenate([top, bottom, web, ribs]), ends, patches, patch)
+    limits = QualityLimits(aspect=LINES_ASPECT) if len(grid.levels) + 2 > len(LEVELS) else QualityLimits()
+    return Mesh(
+        _positions(planform, section, grid), np.concatenate([top, bottom, web, ribs]), ends, patches, patch, limits
+    )
 
 
 def wing_shells(mesh: Mesh, planform: Planform, materials: WingMaterials, regions: Sequence[DamageRegion]) -> Shells:
@@ -321,9 +340,10 @@ def wing_shells(mesh: Mesh, planform: Planform, materials: WingMaterials, region
 def _middles(grid: WingGrid, n_ribs: int) -> tuple[FloatArray, FloatArray]:
     """Return the span and chord fractions of the elements' middles in the order of the mesh, NaN on the ribs."""
     eta, chord = 0.5 * (grid.eta[1:] + grid.eta[:-1]), 0.5 * (grid.chord[1:] + grid.chord[:-1])
-    spar = np.full(len(eta) * N_WEB_LEVELS, grid.chord[grid.spar_column])
+    n_levels = len(grid.levels) + 1
+    spar = np.full(len(eta) * n_levels, grid.chord[grid.spar_column])
     nowhere = np.full(n_ribs, np.nan)
-    along = [np.repeat(eta, len(chord)), np.repeat(eta, len(chord)), np.repeat(eta, N_WEB_LEVELS), nowhere]
+    along = [np.repeat(eta, len(chord)), np.repeat(eta, len(chord)), np.repeat(eta, n_levels), nowhere]
     across = [np.tile(chord, len(eta)), np.tile(chord, len(eta)), spar, nowhere]
     return np.concatenate(along), np.concatenate(across)
 
@@ -345,7 +365,7 @@ def _ribs(grid: WingGrid) -> tuple[IntArray, IntArray]:
         columns = grid.columns(int(row))
         quads.append(_skin(columns[1:-1]))
         for tip, stack in ((grid.upper[row, 0], columns[1][::-1]), (grid.upper[row, -1], columns[-2])):
-            trias.append(np.stack([np.full(N_WEB_LEVELS, tip), stack[:-1], stack[1:]], axis=-1))
+            trias.append(np.stack([np.full(len(stack) - 1, tip), stack[:-1], stack[1:]], axis=-1))
     return np.concatenate(quads), np.concatenate(trias)
 
 
@@ -355,9 +375,8 @@ def _positions(planform: Planform, section: Naca4, grid: WingGrid) -> FloatArray
     nodes = np.zeros((grid.n_nodes, 3))
     chords = planform.chord(grid.eta)
     plane = planform.position(grid.eta[:, None], grid.chord[None, :])
-    levels = np.linspace(0.0, 1.0, N_WEB_LEVELS + 1)[1:-1]
     stacks = [(grid.upper, upper), (grid.lower, lower)]
-    stacks += [(grid.inside[:, :, k], upper + level * (lower - upper)) for k, level in enumerate(levels)]
+    stacks += [(grid.inside[:, :, k], upper + level * (lower - upper)) for k, level in enumerate(grid.levels)]
     for numbers, height in stacks:
         z = chords[:, None] * height[None, :]
         points = np.concatenate([plane, z[:, :, None]], axis=2)

@@ -9,6 +9,7 @@ from femlib.assembly.stresses import blocks_of, corner_strains
 from femlib.errors import InputError
 from femlib.rom import ReducedModel, capability
 from femlib.rom.capability import Capability, full_limits, reduce_capability
+from femlib.rom.zones import LEVELS, Zones, measured_zones, zone_of_corners
 from femlib.wing.strength import reactions, wing_capability, wing_limits, wing_stresses
 
 STATES = np.array([[0.0, 0.0], [0.55, 0.0], [0.0, 0.85], [0.7, 0.3]])
@@ -54,7 +55,7 @@ def test_states_have_one_two_three_or_all_regions_damaged_in_turns():
 @pytest.mark.long
 def test_the_least_limit_counts_and_the_error_is_the_largest_of_all_that_were_checked(tiny, tiny_reduced, monkeypatch):
     checked, full = [], np.array([[1.0, 2.0, 4.0], [4.0, 0.01, 2.0], [9.0, 3.0, 0.5]])
-    monkeypatch.setattr(capability, "full_limits", lambda *args: checked.append(args[-1]) or full[len(checked) - 1])
+    monkeypatch.setattr(capability, "full_limits", lambda *args: checked.append(args[3]) or full[len(checked) - 1])
     own = wing_capability(tiny, tiny_reduced, wing_limits(tiny, tip_limit=0.01), n_states=8, n_checks=3)
     least = np.minimum(own.limits(np.array(checked)), capability.FAR * full.min(axis=1, keepdims=True))
     assert own.error == pytest.approx(np.abs(least / full - 1.0).max())
@@ -74,6 +75,41 @@ def test_the_ply_limit_is_the_load_factor_at_which_the_stresses_reach_the_streng
     found = wing_stresses(tiny, {"mu1": 0.55}, factor)
     assert found.failure_factors("max strain").min() == pytest.approx(1.0, rel=1e-5)
     assert 0.0 < found.error < 0.25
+
+
+def test_a_zone_grows_by_what_fine_meshes_of_its_region_alone_add(tiny):
+    """n = 2 (1 + mu) on the coarse mesh, 3 (1 + mu) where steps are halved without end."""
+    steps = {0: 0.2, 1: 0.1}
+    asked = []
+
+    def finer(k):
+        asked.append(k)
+        return [np.outer(1.0 + np.array(LEVELS), [3.0 - step, 1.5 - step]) for step in steps.values()]
+
+    def coarse(state):
+        return np.array([2.0 * (1.0 + state[0]), 0.1 * (1.0 + state[1]), 1.0])
+
+    zones = measured_zones(tiny.structure, coarse, finer)
+    assert asked == [0]  # region 2 comes nowhere near the limit of the sound wing
+    np.testing.assert_allclose(zones.grown(np.array([0.33, 0.97])), [1.5, 1.0, 1.5])
+    assert zones.error == pytest.approx(0.5 * 0.1 / 2.9)
+    uneven = replace(zones, growth=np.arange(27.0).reshape(3, 9))
+    np.testing.assert_allclose(uneven.grown(np.array([0.3, 0.97])), [1.5, 17.0, 18.0])
+    mesh, zone = tiny.structure.shells.mesh, zone_of_corners(tiny.structure)
+    node = np.concatenate([mesh.quads.ravel(), mesh.trias.ravel()])
+    eta, span = mesh.nodes[node[zone == 0], 1] / tiny.span, tiny.regions[0]
+    assert (eta.min(), eta.max()) == pytest.approx((span.eta_min, span.eta_max))
+    assert set(zone) == {0, 1, 2}
+
+
+def test_plies_fail_by_the_growth_of_their_zone(tiny, tiny_reduced, capable, monkeypatch):
+    """Twice the need in region 1 halves the factor of its corners alone, on the full model and on the reduced one."""
+    zones = Zones(zone_of_corners(tiny.structure), np.array([[2.0] * 9, [1.0] * 9, [1.0] * 9]), 0.01)
+    monkeypatch.setattr(capability, "measured_zones", lambda *_: zones)
+    grown = wing_capability(tiny, tiny_reduced, n_states=16, n_checks=1, finer=lambda *_: tiny)
+    assert (grown.mesh_error, grown.error < 1e-3) == (0.01, True)
+    state = np.array([[0.85, 0.0]])
+    assert grown.limits(state)[0, 0] == pytest.approx(0.5 * capable.limits(state)[0, 0], rel=1e-4)
 
 
 def test_half_of_lognormal_limits_fail_at_the_load_factor_that_a_state_bears(capable):

@@ -141,7 +141,7 @@ def build_aircraft(
     library = library_of(twin, grid_states([LEVELS, LEVELS]), NOISE_SD, gauges=data.gauges)
     trees = tuple(_tree(folder, data, label, depth) for label in ("mu1", "mu2"))
     capable = capable_wing(folder)
-    believed = capable_wing(folder, 0.0) if is_coarse else capable
+    believed = capable_wing(folder, is_coarse=True) if is_coarse else capable
     return Aircraft(data.source, wing, twin, data.gauges, capable, believed, _selector(library, trees))
 
 

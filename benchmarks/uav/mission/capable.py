@@ -13,7 +13,7 @@ from scipy.special import ndtr
 
 from benchmarks.uav.mission.table_twin import between
 from femlib.wing import reduce_wing
-from femlib.wing.built import built_wing
+from femlib.wing.built import built_wing, close_wing
 from femlib.wing.strength import wing_capability
 from femlib.wing.structure import CARBON_LENGTH
 
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 STEP, MOST = 0.02, 0.9
 """Step of the table in each damage, and its end."""
 REFINEMENT = 0.5
-"""Of the mesh, which is closer at the regions' edges: what the wing bears is within 2 % of finer meshes'."""
+"""Of the mesh, whose factors finer ones of each region correct."""
 GUST = 0.04
 """Standard deviation of a manoeuvre's greatest load factor over the one flown: turns and gusts vary. Assumed."""
 
@@ -47,17 +47,17 @@ def chance_of_failing(bears: Floats, load: Floats | float) -> Floats:
     return np.asarray(ndtr((1.0 - bears / load) / GUST))
 
 
-def capable_wing(folder: Path, edge_step: float = CARBON_LENGTH) -> Capable:
-    """Return the table, kept in `folder` for the same wing; `edge_step` 0: that of a mesh without close lines."""
-    wing = built_wing(refinement=REFINEMENT, edge_step=edge_step)
+def capable_wing(folder: Path, *, is_coarse: bool = False) -> Capable:
+    """Return the table, kept in `folder` for the same wing; `is_coarse`: that of one mesh without close lines."""
+    wing = built_wing(refinement=REFINEMENT, edge_step=0.0 if is_coarse else 3.0 * CARBON_LENGTH)
     path = folder / f"capability-{wing.model_hash[:12]}.npz"
     if path.exists():
         with np.load(path) as kept:
             return Capable(kept["both"])
-    capability = wing_capability(wing, reduce_wing(wing))
+    capability = wing_capability(wing, reduce_wing(wing), finer=None if is_coarse else close_wing)
     levels = np.linspace(0.0, MOST, round(MOST / STEP) + 1)
     states = np.stack(np.meshgrid(levels, levels, indexing="ij"), axis=-1).reshape(-1, 2)
     both = capability.load_factors(states).reshape(len(levels), -1)
     folder.mkdir(parents=True, exist_ok=True)
-    np.savez(path, both=both, error=capability.error)
+    np.savez(path, both=both, error=capability.error, mesh_error=capability.mesh_error)
     return Capable(both)
