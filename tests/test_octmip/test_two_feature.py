@@ -77,10 +77,11 @@ def test_no_log_is_promised_at_depth_three(tmp_path: Path) -> None:
             ask(problem, options=ExactOptions(proof=tmp_path / "log"))
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", (*range(12), 104, 161, 173))
 def test_depth_three_is_the_best_of_all_trees_and_its_bound_holds_wherever_it_stops(seed: int) -> None:
-    rng = np.random.default_rng([993, seed])
-    problem = random_two_feature_problem(rng, depth=3, max_samples=8).replace(sensor_budget=None)
+    rng = np.random.default_rng([993 if seed < 12 else 994, seed])
+    problem = random_two_feature_problem(rng, depth=3, max_samples=8 if seed < 12 else 9).replace(sensor_budget=None)
+    problem = problem if seed < 12 else problem.replace(leaf_size=2)  # open samples make up for what a leaf lacks
     least = float(least_cost(problem))
     assert solve_and_certify(problem) == pytest.approx(least, abs=1e-9)
     for nodes in (1, 30, 200):
