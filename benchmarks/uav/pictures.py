@@ -71,8 +71,8 @@ def iris_picture(seed: int) -> Figure:
     columns = [iris.feature_names.index(f"petal {size} (cm)") for size in ("length", "width")]
     names = tuple(iris.feature_names[column] for column in columns)
     species = [str(iris.target_names[code]) for code in iris.target]
-    asked = {"depth": 2, "split": "hyperplane", "split_size": 2, "feature_names": names}
-    problem = Problem(iris.data[:, columns], species, **asked)
+    petals = iris.data[:, columns]
+    problem = Problem(petals, species, depth=2, split="hyperplane", split_size=2, feature_names=names)
     solution = solve(problem, "exact", limits=Limits(seconds=10.0), seed=seed)
     certify(problem, solution)
     told = problem.samples.class_names[predict(solution.tree, np.array([FLOWER]))[0]]
