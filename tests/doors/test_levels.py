@@ -45,6 +45,7 @@ PEAKS = {0.0: 3.677, 0.9: 8.022}
 """Mean largest sample of 5,000, of five thousand blocks."""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("memory", PEAKS)
 def test_intervals_of_95_percent_hold_the_truth_of_a_hundred_series(memory):
     held = np.zeros(3, dtype=int)
