@@ -77,7 +77,7 @@ def test_no_log_is_promised_at_depth_three(tmp_path: Path) -> None:
             ask(problem, options=ExactOptions(proof=tmp_path / "log"))
 
 
-@pytest.mark.parametrize("seed", [*range(12), 104, 161, 173])
+@pytest.mark.parametrize("seed", [*range(12), 104, 173])
 def test_depth_three_is_the_best_of_all_trees_and_its_bound_holds_wherever_it_stops(seed: int) -> None:
     rng = np.random.default_rng([993 if seed < 12 else 994, seed])
     problem = random_two_feature_problem(rng, depth=3, max_samples=8 if seed < 12 else 9).replace(sensor_budget=None)
