@@ -216,7 +216,7 @@ def add_run_arguments(parser: argparse.ArgumentParser, with_method: bool = True)
             "--method",
             choices=METHODS,
             default="auto",
-            help="default auto: exact, or search for hyperplanes; exact proves hyperplanes of 2 features to depth 2",
+            help="default auto: exact, or search for hyperplanes; exact proves hyperplanes of 2 features to depth 3",
         )
     group.add_argument("--threads", metavar="N", type=int, default=1, help="threads of one solver (default 1)")
     gap = group.add_argument(
