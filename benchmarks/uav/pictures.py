@@ -78,7 +78,7 @@ def iris_picture(seed: int) -> Figure:
     told = problem.samples.class_names[predict(solution.tree, np.array([FLOWER]))[0]]
     title = f"iris: {solution.objective:g} of {len(species)} wrong, bound {solution.bound:g}; the star is {told}"
     figure = partition_figure(problem, solution.tree, title=title)
-    figure.axes[0].plot(*FLOWER, "*", ms=16, color=ACCENT, mec=INK)
+    figure.axes[0].plot(*FLOWER, "*", ms=16, color="white", mec=INK)
     return figure
 
 

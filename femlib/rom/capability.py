@@ -103,7 +103,8 @@ class Capability:
     error : float
         Largest relative error of a limit against the full model over the checked states; NaN if none.
     mesh_error : float
-        Estimated relative error of the plies' factors by the mesh, `Zones.error`; NaN without finer meshes.
+        Estimated relative error of the plies' factors by the mesh, `Zones.error`; NaN without finer meshes. It is that
+        of single components: where several are damaged at once the factors may be further off (docs/wing.md).
     zones : Zones, optional
         What finer meshes make of the plies' factors.
     zone : IntArray, optional

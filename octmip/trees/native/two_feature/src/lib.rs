@@ -16,6 +16,7 @@ mod options;
 mod proof;
 mod regions;
 mod stumps;
+mod subproblem;
 mod switches;
 mod weighted_samples;
 
