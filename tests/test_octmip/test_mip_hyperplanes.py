@@ -102,14 +102,19 @@ def test_real_normals_are_no_worse_than_whole_ones_and_both_forms_agree():
     assert printed.details["mu"] == strong.details["mu"]
 
 
-@pytest.mark.parametrize("solver", [solve_oct_h, solve_flow])
-def test_what_is_proven_of_mu_separated_trees_stays_where_a_narrower_tree_is_better(solver):
+def narrow_problem():
+    """Return a problem whose best line passes between readings closer than a margin of 0.005: 2 errors, with it 3."""
     rng = np.random.default_rng(0)
     features = rng.random((12, 2))
     features[6:] = features[:6] + rng.normal(size=(6, 2)) * 2e-3
     labels = rng.integers(0, 2, 12)
     labels[:2] = 0, 1
-    problem = Problem(features, labels, depth=1, split="hyperplane")
+    return Problem(features, labels, depth=1, split="hyperplane")
+
+
+@pytest.mark.parametrize("solver", [solve_oct_h, solve_flow])
+def test_what_is_proven_of_mu_separated_trees_stays_where_a_narrower_tree_is_better(solver):
+    problem = narrow_problem()
     narrow = solve(problem, "exact")
     solution = solver(problem, incumbent=narrow.tree, options=MipOptions(mu=0.005))
     certify(problem, solution)
@@ -119,6 +124,18 @@ def test_what_is_proven_of_mu_separated_trees_stays_where_a_narrower_tree_is_bet
     words = "(none of them costs less than 3; the tree found, of 2, is a better one outside)"
     assert solution.details["scope"].endswith(words)
     assert "numerics" not in solution.details
+
+
+@pytest.mark.parametrize("method", ["oct_h", "flow"])
+def test_a_proof_within_a_margin_is_carried_to_all_trees_where_splits_have_two_features(method):
+    problem = narrow_problem()
+    solution = solve(problem, method, options=MipOptions(mu=0.005))
+    certify(problem, solution)
+    assert solution.is_optimal
+    assert solution.objective == solution.bound == 2
+    assert solution.details["bound_in_scope"] == 3
+    three = Problem(np.c_[problem.samples.features, np.ones(12)], problem.samples.codes, depth=1, split="hyperplane")
+    assert "mu-separated" in solve(three, method, options=MipOptions(mu=0.005)).scope
 
 
 def test_strictness_is_exact_for_decimal_features_and_whole_coefficients():

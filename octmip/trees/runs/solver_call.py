@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from octmip.errors import ProblemError
 from octmip.trees.answer.solution import Progress, Solution, Stop
 from octmip.trees.methods.options import NO_OPTIONS, OPTIONS, ExactOptions, Options, SearchOptions
 from octmip.trees.methods.pruning import fitting
@@ -65,7 +66,30 @@ class Call:
         )
         solution = fitting(self.problem, solution) if self.problem.shape.is_shaped else solution
         is_logged = isinstance(options, ExactOptions) and options.proof is not None
-        return solution if is_logged else self._bounded(solution)
+        solution = solution if is_logged else self._bounded(solution)
+        return self._over_all_trees(solution) if solvers_of(self.problem)[name].is_mixed_integer else solution
+
+    def _over_all_trees(self, solution: Solution) -> Solution:
+        """Return a solution that is proven within a margin with a proof over all trees, where splits have two features.
+
+        The exact core takes at most the time that the proof within the margin took. Where that is too little the
+        solution stays what it is; a better tree outside the margin, which no bound closes then, takes its place.
+        """
+        exact = solvers_of(self.problem).get("exact")
+        if not solution.scope or not solution.meets_bound or exact is None or exact.refusal(self.problem) is not None:
+            return solution
+        left = self.run.limits.remaining(self.start)
+        short = replace(self.run, limits=replace(left, seconds=min(left.seconds, solution.seconds)), progress=None)
+        try:
+            whole = Call(self.problem, short, time.perf_counter()).solve("exact", solution.tree)
+        except ProblemError:  # deeper, or of more features, than it proves
+            return solution
+        if not whole.is_optimal and whole.objective == solution.objective:
+            return solution
+        details = {name: value for name, value in solution.details.items() if name != "scope"}
+        details |= {"bound_in_scope": solution.bound, "bound_by": whole.solver}
+        found = replace(solution, tree=whole.tree, objective=whole.objective, stop=whole.stop, details=details)
+        return replace(found, bound=whole.bound, tolerance=whole.tolerance)
 
     def _bounded(self, solution: Solution) -> Solution:
         """Return a solution with the bound by labels, which is about all trees, where its own is no higher.
