@@ -17,7 +17,7 @@ from tests.oracles.rational import cost_of, least_cost
 from tests.oracles.strategies import random_problem, with_missing
 from tests.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 
-FIRST, N_SEEDS, BLOCK = 1_000_060, 120, 40
+FIRST, N_SEEDS, BLOCK = 1_000_060, 120, 20
 BLOCKS = [(first, kind) for first in range(FIRST, FIRST + N_SEEDS, BLOCK) for kind in KINDS]
 
 

@@ -125,6 +125,7 @@ def test_a_written_start_is_a_solution(tmp_path):
     assert made.read(tmp_path / "m.mst").objective == made.known.objective
 
 
+@pytest.mark.long("HiGHS-mu1", "SCIP-mu1")
 @pytest.mark.parametrize("table", ["iris", "mu1"])
 @pytest.mark.parametrize("solver", PROGRAMS)
 def test_solvers_outside_prove_published_tables_from_a_file_and_are_certified(solver, table, tmp_path):

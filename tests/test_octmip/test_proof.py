@@ -142,10 +142,10 @@ def test_a_log_proves_the_bound_where_labels_would_prove_more(tmp_path):
     assert check_proof(problem, log, bound=stopped.bound).bound == stopped.bound
 
 
-@pytest.mark.parametrize("first", [2000, 2020])
+@pytest.mark.parametrize("first", [2000, 2010])
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_log_of_a_solver_proves_its_bound_and_no_corruption_that_changes_the_claim_is_accepted(kind, first):
-    assert not [seed for seed in range(first, first + 20) if corrupted(kind, seed)[1] == "wrong"]
+    assert not [seed for seed in range(first, first + 10) if corrupted(kind, seed)[1] == "wrong"]
 
 
 def problems() -> list[Problem]:
@@ -181,5 +181,5 @@ def test_a_file_holds_every_number_to_the_last_bit() -> None:
 @pytest.mark.skipif(shutil.which("cargo") is None, reason="cargo, which builds octmip-check, is missing")
 def test_no_mangled_pair_of_files_is_accepted_for_more_than_is_true():
     command = check_command.built()
-    outcomes = {seed: check_command.corrupted(seed, command)[1] for seed in range(10)}
+    outcomes = {seed: check_command.corrupted(seed, command)[1] for seed in range(5)}
     assert not {seed: outcome for seed, outcome in outcomes.items() if outcome not in ("refused", "true")}

@@ -110,14 +110,14 @@ def test_numbers_of_any_size_are_proven_or_said_not_to_be(loss):
     [{}, {"split": "hyperplane", "split_size": 2}, {"leaf_model": "linear"}, {"sensor_budget": 2}, {"leaf_size": 9}],
 )
 def test_search_finds_trees_of_the_problem_and_none_beats_the_proof(loss, options):
-    features, targets = smooth(90)
+    features, targets = smooth(60)
     problem = Problem(features, targets, depth=2, loss=number_loss(loss), **options)
-    found = solve(problem, "search", options=SearchOptions(restarts=3))
+    found = solve(problem, "search", options=SearchOptions(restarts=2))
     assert certify(problem, found).bound == -math.inf
     assert found.objective < problem.baseline
     if "leaf_model" not in options and "split" not in options:
         assert found.objective >= solve(problem).objective
-    assert solve(problem, "search", options=SearchOptions(restarts=3)).tree == found.tree
+    assert solve(problem, "search", options=SearchOptions(restarts=2)).tree == found.tree
 
 
 def test_linear_leaves_and_planes_find_what_made_the_data():

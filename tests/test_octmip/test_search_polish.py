@@ -36,7 +36,7 @@ def random_hyperplanes(rng, problem: Problem, depth: int) -> Node:
     )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.integers(0, 2**32))
 def test_every_sample_stays_in_its_leaf_and_no_plane_gains_a_feature(seed):
     rng = np.random.default_rng(seed)
@@ -83,7 +83,7 @@ def test_the_margin_is_nine_tenths_of_the_widest_over_all_angles(seed):
     assert width(points, np.array(simple.coefficients) * spread, left) >= 0.89 * widest > 0
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32))
 def test_no_searched_tree_breaks_a_limit_or_has_another_objective_than_its_certificate(seed):
     rng = np.random.default_rng(seed)

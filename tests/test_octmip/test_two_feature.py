@@ -77,6 +77,7 @@ def test_no_log_is_promised_at_depth_three(tmp_path: Path) -> None:
             ask(problem, options=ExactOptions(proof=tmp_path / "log"))
 
 
+@pytest.mark.long(*map(str, [*range(6, 12), 173]))
 @pytest.mark.parametrize("seed", [*range(12), 104, 173])
 def test_depth_three_is_the_best_of_all_trees_and_its_bound_holds_wherever_it_stops(seed: int) -> None:
     rng = np.random.default_rng([993 if seed < 12 else 994, seed])
