@@ -9,7 +9,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYTHONDONTWRITEBYTECODE :=
 PYTEST := MAKEFLAGS= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
 
-.PHONY: uav mission blind test lint lint-python lint-python-then-test-rust test-rust pytest long wheel site verified tools benchmarks clean
+.PHONY: uav mission blind test lint lint-python lint-rust lint-python-then-test-rust test-rust pytest long wheel site verified tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
@@ -34,8 +34,10 @@ pytest: $(VENV)/.installed-test
 long: $(VENV)/.installed-test
 	$(PYTEST) --long
 
-lint: lint-python | tools
-	cd octmip/trees/native && cargo fmt --all --check && cargo clippy --profile checks --quiet --workspace --all-targets -- -D warnings
+lint: lint-python lint-rust
+
+lint-rust: | tools
+	cd octmip/trees/native && cargo fmt --all --check && MAKEFLAGS= cargo clippy --profile checks --quiet --workspace --all-targets -- -D warnings
 
 lint-python-then-test-rust: lint-python
 	$(MAKE) test-rust
@@ -47,7 +49,7 @@ lint-python: $(VENV)/.packages-test
 	$(BIN)/python docs/_extensions/notebooks.py $(VENV)/typed && MYPYPATH=$(VENV)/typed $(BIN)/mypy --package pages
 
 test-rust: | tools
-	cd octmip/trees/native && cargo fmt --all --check && MAKEFLAGS= cargo test --profile checks --quiet --workspace
+	cd octmip/trees/native && MAKEFLAGS= cargo test --profile checks --quiet --workspace
 
 # An abi3 wheel and the source distribution in dist/; a wheel is built from the latter too, to see that it can be. Linked
 # by zig the wheel runs on every Linux since 2014 (manylinux2014); without zig maturin's audit gives it the tag of this
