@@ -101,12 +101,10 @@ CASES = {
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-@pytest.mark.parametrize("block", [1 << 24, 100])
 @pytest.mark.parametrize("case", CASES)
-def test_messages_are_those_that_pymavlink_reads_one_by_one(case, block, seed, tmp_path, monkeypatch):
-    monkeypatch.setattr("octmip.recordings.readers.dataflash.BLOCK", block)
+def test_messages_are_those_that_pymavlink_reads_one_by_one(case, seed, tmp_path, monkeypatch):
     as_it_is = lambda name, unit, time, values: SimpleNamespace(time=time, values=values)  # noqa: E731
-    monkeypatch.setattr("octmip.recordings.readers.dataflash.Channel", as_it_is)  # garbage has times in any order
+    monkeypatch.setattr("octmip.recordings.readers.messages.Channel", as_it_is)  # garbage has times in any order
     spoil, change = CASES[case]
     path = tmp_path / "run.bin"
     path.write_bytes(change(log_of(np.random.default_rng(seed), 400, spoil)))

@@ -18,8 +18,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from octmip.errors import DataError
 from octmip.recordings import recording
 from octmip.recordings.readers import ros
-from octmip.recordings.readers.fields import columns_of, recorded
 from octmip.recordings.readers.mcap import _json
+from octmip.recordings.readers.messages import columns_of, decoded
 from octmip.recordings.readers.ros import Decoder
 from octmip.recordings.readers.rosbag import _of_chunks
 
@@ -188,12 +188,12 @@ def test_contents_of_any_kind_are_columns():
 
 
 def test_messages_out_of_order_and_of_several_batches_are_put_in_order(monkeypatch):
-    monkeypatch.setattr("octmip.recordings.readers.fields.BATCH", 7)
+    monkeypatch.setattr("octmip.recordings.readers.messages.BATCH", 7)
     instants = np.random.default_rng(2).permutation(50)
     other = lambda batch: columns_of([{"y": float(one)} for one in batch])  # noqa: E731
     own = lambda batch: columns_of([{"x": float(one)} for one in batch])  # noqa: E731
     messages = [("t", 10**9 * int(k), str(k).encode(), other if k in (20, 30) else own) for k in instants]
-    opened = recorded("MCAP", messages)
+    opened = decoded("MCAP", messages)
     x, y = opened["t/x"], opened["t/y"]
     assert x.time.tolist() == y.time.tolist() == list(range(50))
     assert x.values[x.is_valid].tolist() == [k for k in range(50) if k not in (20, 30)]

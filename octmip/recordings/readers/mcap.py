@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from octmip.errors import DataError, needed_by
-from octmip.recordings.readers.fields import Columns, Decode, columns_of, recorded
+from octmip.recordings.readers.messages import Columns, Decode, columns_of, decoded
 from octmip.recordings.recording import Recording
 
 with needed_by("a recording of MCAP"):
@@ -30,7 +30,7 @@ HEAD, MESSAGE = struct.Struct("<BQ"), struct.Struct("<HIQQ")
 
 def read(path: Path) -> Recording:
     """Return the numbers in the messages of a file as TOPIC/FIELD."""
-    return recorded("MCAP", _messages(path))
+    return decoded("MCAP", _messages(path))
 
 
 def _messages(path: Path) -> Iterator[tuple[str, int, bytes, Decode]]:

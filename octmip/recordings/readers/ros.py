@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 from rosbags.serde.utils import SIZEMAP
 
-from octmip.recordings.readers.fields import MOST_FIELDS, Columns, columns_of, joined
+from octmip.recordings.readers.messages import MOST_FIELDS, Columns, columns_of, joined
 from octmip.recordings.recording import Floats
 
 MOST_LAYOUTS = 4

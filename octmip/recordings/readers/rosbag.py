@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from octmip.errors import DataError, needed_by
-from octmip.recordings.readers.fields import Decode, recorded
+from octmip.recordings.readers.messages import Decode, decoded
 from octmip.recordings.recording import Recording
 
 with needed_by("a recording of ROS"):
@@ -26,7 +26,7 @@ def read(path: Path) -> Recording:
         raise DataError(
             f"{path} has no metadata.yaml beside it; expected the folder of a ROS 2 bag; copy the whole folder"
         )
-    return recorded("rosbag", _messages(path))
+    return decoded("rosbag", _messages(path))
 
 
 def _messages(path: Path) -> Iterator[tuple[str, int, bytes, Decode]]:
