@@ -3,7 +3,8 @@
 Nothing is resampled, filled or merged. A sample that its file calls invalid, or that is no finite number, is missing.
 """
 
-from collections.abc import Callable, Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -168,6 +169,12 @@ class Recording:
                 return loader()
         except DataError as error:
             raise DataError(f"{self.name}: {error}") from error
+
+
+def told_apart(names: Sequence[str], others: Sequence[str]) -> list[str]:
+    """Return names, each that comes twice replaced by the other name in its place."""
+    count = Counter(names)
+    return [name if count[name] == 1 else other for name, other in zip(names, others, strict=True)]
 
 
 def seconds_since(start: int, instants: ArrayLike) -> Floats:

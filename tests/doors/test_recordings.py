@@ -290,7 +290,7 @@ def test_what_is_no_series_of_time_is_refused_or_left_out(at):
     response = pyuff.prepare_58(x=np.arange(5.0), data=np.ones(5) * 1j, id1="H", **places, **kinds)
     Path("both.uff").write_bytes(Path("run.uff").read_bytes())
     pyuff.UFF("both.uff").write_sets([response], mode="add")
-    assert recording("both.uff").notes == ("1 function that is no time response is left out.",)
+    assert recording("both.uff").notes == ("Left out: 1 function that is no time response.",)
 
 
 def test_messages_of_ros_2_in_mcap_and_in_a_database(at):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from octmip.errors import DataError, needed_by
-from octmip.recordings.recording import Channel, Recording
+from octmip.recordings.recording import Channel, Recording, told_apart
 
 with needed_by("a recording of MDF"):
     from asammdf import MDF
@@ -31,12 +31,9 @@ def read(path: Path) -> Recording:
             for k, channel in enumerate(own.channels)
             if k != file.masters_db.get(group) and own.channel_group.cycles_nr
         ]
-    names = [name for name, _, _ in places]
-    label = {place: place[0] if names.count(place[0]) == 1 else f"{place[1]}/{place[0]}" for place in places}
-    once = {name: place for place, name in label.items()}
+    labels = told_apart([name for name, _, _ in places], [f"{group}/{name}" for name, group, _ in places])
 
-    def loaded(name: str) -> Channel:
-        _, group, k = once[name]
+    def loaded(name: str, group: int, k: int) -> Channel:
         with MDF(path) as file:
             signal = file.get(group=group, index=k, ignore_invalidation_bits=True)
         master = signal.master_metadata
@@ -46,4 +43,5 @@ def read(path: Path) -> Recording:
         valid = None if invalid is None else ~np.asarray(invalid, dtype=bool)
         return Channel(name, signal.unit or "", signal.timestamps, signal.samples, valid)
 
-    return Recording("MDF", {name: functools.partial(loaded, name) for name in once}, start)
+    loaders = {one: functools.partial(loaded, one, *place[1:]) for one, place in zip(labels, places, strict=True)}
+    return Recording("MDF", loaders, start)

@@ -5,9 +5,10 @@ on with has several starts: each segment is stamped here by its own. Where segme
 no sample before the last change is right, so the channel is refused.
 """
 
+import contextlib
 import functools
-from collections import Counter
-from collections.abc import Mapping, Sequence
+import itertools
+import operator
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +18,16 @@ from octmip.errors import DataError, needed_by
 from octmip.formats.table.units import unit_behind
 from octmip.input.messages import several
 from octmip.recordings.readers.clock import doubts, seconds_in, times_among
-from octmip.recordings.recording import Channel, Floats, Recording, seconds_since
+from octmip.recordings.recording import Channel, Floats, Recording, seconds_since, told_apart
 
 with needed_by("a recording of TDMS"):
     from nptdms import TdmsFile
-    from nptdms.reader import TdmsReader, _number_of_segment_values
+    from nptdms.reader import TdmsReader
 
 Pieces = list[tuple[int, dict[str, Any]]]
 """Samples of a channel in each segment, and its properties there."""
+START, STEP, OFFSET, UNIT = "wf_start_time", "wf_increment", "wf_start_offset", "unit_string"
+CUT = "The last segment is shorter than it says: was the file cut?"
 
 
 class _Segments(TdmsReader):  # type: ignore[misc]
@@ -33,46 +36,39 @@ class _Segments(TdmsReader):  # type: ignore[misc]
     def __init__(self, path: Path) -> None:
         super().__init__(path)
         self.given: list[dict[str, Any]] = []
-        try:
+        with contextlib.closing(self):
             self.read_metadata(require_segment_indexes=True)
-        finally:
-            self.close()
 
     def _update_object_properties(self, properties: Any) -> None:
         super()._update_object_properties(properties)
         self.given.append(properties or {})
 
     def pieces(self, path: str) -> Pieces:
-        found, now = [], dict[str, Any]()
-        for segment, given in zip(self._segments, self.given, strict=True):
-            now = now | dict(given.get(path, ()))
-            place = segment.object_index.get(path)
-            n = 0 if place is None else int(_number_of_segment_values(segment.ordered_objects[place], segment))
-            found += [(n, now)] if n else []
-        return found
+        self._build_index(path)
+        first, ends = self._segment_channel_offsets[path]
+        own = (dict(given.get(path, ())) for given in self.given)
+        known = itertools.islice(itertools.accumulate(own, operator.or_), first, None)
+        return [(n, now) for n, now in zip(np.diff(ends, prepend=0).tolist(), known, strict=False) if n]
 
 
 def read(path: Path) -> Recording:
     """Return the channels of a TDMS file."""
-    segments, starts, counted = _Segments(path), list[int](), list[Floats]()
+    segments = _Segments(path)
     with TdmsFile.open(path, raw_timestamps=True) as file:
-        pieces = {
-            (one.group_name, one.name): segments.pieces(one.path) for group in file.groups() for one in group.channels()
-        }
-        for (group, name), own in pieces.items():
-            starts += [at for _, given in own if (at := _nanoseconds(given.get("wf_start_time"))) is not None]
-            unit = str(own[-1][1].get("unit_string", "")) if own else ""
-            if own and times_among({name: unit}):
-                ends = [file[group][name][k] for k in (0, -1)]
-                if (first := _nanoseconds(ends[0])) is not None:
-                    starts.append(first)
-                elif not (isinstance(ends[0], str) or unit or unit_behind(name)[1]):
-                    counted.append(np.asarray(ends, dtype=np.float64))
-        cut = "The last segment is shorter than it says: was the file cut?"
-        notes = ((cut,) * file.file_status.incomplete_final_segment, doubts(counted), _without_start(pieces, starts))
-    start = min(starts, default=None)
+        channels = [(group, one) for group in file.groups() for one in group.channels() if len(one)]
+        pieces = {(group.name, one.name): segments.pieces(one.path) for group, one in channels}
+        clocks = {group.name: _clock(group) for group, _ in channels}
+        notes = [CUT] if file.file_status.incomplete_final_segment else []
+    known = [clock for clock in clocks.values() if clock is not None]
+    stamps = [given.get(START) for own in pieces.values() for _, given in own] + [times[0] for _, _, times in known]
+    start = min((at for stamp in stamps if (at := _nanoseconds(stamp)) is not None), default=None)
+    bare = [one for name, unit, one in known if one.dtype.kind in "iuf" and not (unit or unit_behind(name)[1])]
+    notes += doubts(np.asarray(times[[0, -1]], dtype=np.float64) for times in bare)
+    late = ["/".join(key) for key, own in pieces.items() if STEP in own[0][1] and START not in own[0][1]]
+    if late and start is not None:
+        notes.append(f"Channels without a start are taken to begin with the first of the others: {several(late, 6)}.")
 
-    def loaded(group: str, name: str) -> Channel:
+    def loaded(label: str, group: str, name: str) -> Channel:
         own = pieces[group, name]
         scales = [[pair for pair in given.items() if pair[0].startswith(("NI_Scal", "unit_"))] for _, given in own]
         if any(scale != scales[0] for scale in scales):
@@ -80,51 +76,39 @@ def read(path: Path) -> Recording:
                 f"channel {name!r} is scaled anew within the file, and npTDMS scales all of it by the last numbers; "
                 "expected one scale; split the file where it was calibrated"
             )
+        time = _waveform(own, start or 0) if all(given.get(STEP) for _, given in own) else None
+        if time is None and (clock := clocks[group]) is not None and clock[0] != name:
+            is_stamped = hasattr(clock[2], "as_datetime64")
+            time = seconds_since(start or 0, _nanoseconds(clock[2])) if is_stamped else seconds_in(*clock)
+        if time is None:
+            raise DataError(f"channel {name!r} has no times: no {STEP} and no channel 'time' beside it; add one")
         with TdmsFile.open(path, raw_timestamps=True) as file:
-            time = _waveform(own, start or 0)
-            time = _beside(file[group], name, start or 0) if time is None else time
-            return Channel(f"{group}/{name}", str(own[-1][1].get("unit_string", "")), time, file[group][name][:])
+            return Channel(label, str(own[-1][1].get(UNIT, "")), time, file[group][name][:])
 
-    names = Counter("/".join(key) for key in pieces if pieces[key])
     # channel C of group A/B and B/C of A would both be A/B/C
-    label = {key: name if names[name := "/".join(key)] == 1 else "'{}'/'{}'".format(*key) for key in pieces}
-    loaders = {label[key]: functools.partial(loaded, *key) for key in pieces if pieces[key]}
-    return Recording("TDMS", loaders, start, sum(notes, ()))
+    labels = told_apart(["/".join(key) for key in pieces], ["'{}'/'{}'".format(*key) for key in pieces])
+    loaders = {label: functools.partial(loaded, label, *key) for label, key in zip(labels, pieces, strict=True)}
+    return Recording("TDMS", loaders, start, tuple(notes))
 
 
-def _without_start(pieces: Mapping[tuple[str, str], Pieces], starts: Sequence[int]) -> tuple[str, ...]:
-    """Return a sentence on waveforms without a start in a file where others have one."""
-    firsts = {"/".join(key): own[0][1] for key, own in pieces.items() if own}
-    bare = [name for name, given in firsts.items() if "wf_increment" in given and "wf_start_time" not in given]
-    told = f"Channels without a start are taken to begin with the first of the others: {several(bare, 6)}."
-    return (told,) if bare and starts else ()
+def _clock(group: Any) -> tuple[str, str, Any] | None:
+    """Return name, unit and numbers of the channel that holds the times of those beside it."""
+    units = {one.name: str(one.properties.get(UNIT, "")) for one in group.channels() if len(one)}
+    name = times_among(units)
+    return None if name is None else (name, units[name], group[name][:])
 
 
-def _nanoseconds(stamp: Any) -> int | None:
-    return int(stamp.as_datetime64("ns").astype(np.int64)) if hasattr(stamp, "as_datetime64") else None
+def _nanoseconds(stamps: Any) -> Any:
+    return stamps.as_datetime64("ns").astype(np.int64) if hasattr(stamps, "as_datetime64") else None
 
 
-def _waveform(pieces: Pieces, zero: int) -> Floats | None:
+def _waveform(pieces: Pieces, zero: int) -> Floats:
     """Return the times of a waveform; a segment that repeats the start of the one before goes on from there."""
     found, last, n_before = [], None, 0
     for n, given in pieces:
-        if not given.get("wf_increment"):
-            return None
-        at = (_nanoseconds(given.get("wf_start_time")), given.get("wf_start_offset", 0.0))
+        at = (_nanoseconds(given.get(START)), given.get(OFFSET, 0.0))
         n_before = n_before if at == last else 0
         begin = ((at[0] or zero) - zero) / 1e9 + at[1]
-        found.append(begin + given["wf_increment"] * np.arange(n_before, n_before + n))
+        found.append(begin + given[STEP] * np.arange(n_before, n_before + n))
         last, n_before = at, n_before + n
     return np.concatenate(found)
-
-
-def _beside(group: Any, name: str, zero: int) -> Floats:
-    """Return the times that another channel of the group has."""
-    units = {one.name: str(one.properties.get("unit_string", "")) for one in group.channels() if one.name != name}
-    clock = times_among(units)
-    if clock is None:
-        raise DataError(f"channel {name!r} has no times: no wf_increment and no channel 'time' beside it; add one")
-    times = group[clock][:]
-    if hasattr(times, "as_datetime64"):
-        return seconds_since(zero, times.as_datetime64("ns").astype(np.int64))
-    return seconds_in(clock, units[clock], times)

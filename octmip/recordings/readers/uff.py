@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from octmip.errors import needed_by
-from octmip.recordings.recording import Channel, Floats, Recording
+from octmip.recordings.recording import Channel, Floats, Recording, told_apart
 
 with needed_by("a recording of UFF58"):
     import pyuff
@@ -26,17 +26,12 @@ def read(path: Path) -> Recording:
     sets = [(k, file.read_sets(k, header_only=True)) for k, kind in enumerate(file.get_set_types()) if kind == 58]
     series = [(k, one) for k, one in sets if _is_of_time(one)]
     names = [_text(one, "id1") or f"node {one['rsp_node']} direction {one['rsp_dir']}" for _, one in series]
-    labels = [name if names.count(name) == 1 else f"{name}#{k + 1}" for k, name in enumerate(names)]
-    left_out = len(sets) - len(series)
-    others = (
-        "1 function that is no time response is"
-        if left_out == 1
-        else f"{left_out} functions that are no time responses are"
-    )
-    notes = (f"{others} left out.",) if left_out else ()
+    labels = told_apart(names, [f"{name}#{k + 1}" for name, (k, _) in zip(names, series, strict=True)])
+    many = "1 function that is" if len(sets) == len(series) + 1 else f"{len(sets) - len(series)} functions that are"
+    notes = (f"Left out: {many} no time response.",) * (len(sets) > len(series))
 
     def loaded(label: str, k: int, one: dict[str, Any]) -> Channel:
-        found = _columns(path, file, k, one)
+        found = None if one["binary"] else _columns(path, file, k, one)
         if found is None:
             whole = file.read_sets(k)
             found = whole["x"], whole["data"]
@@ -50,28 +45,18 @@ def read(path: Path) -> Recording:
 
 
 def _columns(path: Path, file: Any, k: int, one: dict[str, Any]) -> tuple[Floats, Floats] | None:
-    """Return times and real numbers of a text whose lines are all of one length; None of another, which pyuff reads."""
-    cells = WIDTHS.get((one["ord_data_type"], one["abscissa_spacing"]))
-    if one["binary"] or cells is None:
-        return None
+    """Return times and real numbers of a text whose lines are all full; None of another, which pyuff reads."""
+    size, widths = WIDTHS.get((one["ord_data_type"], one["abscissa_spacing"]), (0, (1,)))
     first, last = file._block_ind[k]
     with path.open("rb") as stream:
         stream.seek(first)
-        body = stream.read(last - first + 1).split(b"\n", HEAD_LINES)[-1]
-    size, widths = cells
-    length = body.find(b"\n") + 1
-    lines = np.frombuffer(body, np.uint8, count=len(body) // max(length, 1) * length).reshape(-1, max(length, 1))
-    is_even = length > size and (lines[:, size] == lines[0, size]).all() and (lines[:, -1] == ord("\n")).all()
-    tail = body[lines.size :].rstrip(b"\r\n")
-    if not is_even or length - size > 2 or len(tail) % sum(widths):
+        lines = stream.read(last - first + 1).splitlines()[HEAD_LINES:]
+    text = b"".join(lines)
+    if any(len(line) != size for line in lines[:-1]) or len(text) % sum(widths):
         return None
-    text = np.append(lines[:, :size].ravel(), np.frombuffer(tail, np.uint8)).reshape(-1, sum(widths))
-    ends = np.cumsum(widths)
+    cells = np.frombuffer(text, dtype=[(str(k), f"S{width}") for k, width in enumerate(widths)])
     try:
-        found = [
-            np.ascontiguousarray(text[:, end - width : end]).view(f"S{width}")[:, 0].astype(np.float64)
-            for width, end in zip(widths, ends, strict=True)
-        ]
+        found = [cells[name].astype(np.float64) for name in cells.dtype.names or ()]
     except ValueError:
         return None
     return found[0], found[-1]
