@@ -23,6 +23,19 @@ def csv_file(tmp_path, text):
     return path
 
 
+@pytest.mark.parametrize(
+    "cells",
+    ["1,2,3,4.5,5", "1,2,,4,5", "a,b,1.0,c,2", "1,2,9007199254740993,,5", "1.10,1.1,x,2,3", ",,3,4,x", ",,,,1"],
+)
+def test_a_table_in_pieces_is_the_table_read_at_once(cells, tmp_path, monkeypatch):
+    rows = "\n".join(f"{cell},{k},w{k}" for k, cell in enumerate(cells.split(",")))
+    (tmp_path / "t.csv").write_text(f"a,b,c\n{rows}\n")
+    whole = read_table(tmp_path / "t.csv").frame
+    monkeypatch.setattr("octmip.formats.table.delimited.LONG", 0)
+    monkeypatch.setattr("octmip.formats.table.delimited.PIECE", 2)
+    pd.testing.assert_frame_equal(read_table(tmp_path / "t.csv").frame, whole)
+
+
 def test_numbers_are_read_to_the_last_bit(tmp_path):
     values = np.random.default_rng(0).normal(size=200) * 10.0 ** np.arange(-100, 100)
     path = csv_file(tmp_path, "x,y\n" + "".join(f"{v!r},a\n" for v in values.tolist()))

@@ -1,10 +1,11 @@
 """Text whose cells stand between separators, as `octmip.formats.table.layout` finds them: numbers to the last bit."""
 
 import csv
+import functools
 import io
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -46,6 +47,8 @@ MOST_CODES = 100
 """Different numbers of a column that may be codes."""
 MOST_WRITTEN = 20_000
 """Rows of a table whose codes are looked at: its cells are read twice for it."""
+LONG, PIECE = 1 << 25, 1 << 17
+"""Bytes of a text from which it is read in pieces, and rows of a piece."""
 FEW = 4
 """Rows whose first cells may count 1, 2, ... by chance."""
 
@@ -66,6 +69,7 @@ def read_delimited(
     """
     text, notes = source.text()
     layout = layout_of(source.name, text, source.format)
+    del text  # which is as large as its rows
     names = [f"\0{k}" for k in range(layout.n_cells)]
     for k, name in enumerate(layout.header[: layout.n_cells]):
         names[k] = name if name and len(layout.header) == layout.n_cells else names[k]
@@ -97,10 +101,14 @@ class _Cells:
     names: tuple[str, ...]
 
     def read(self, types: Mapping[str, type], columns: Sequence[str] | None = None) -> pd.DataFrame:
-        """Return some columns, all by default; those of `types` in these types, the others as pandas finds."""
+        """Return some columns, all by default; those of `types` in these types, the others as pandas finds.
+
+        A long text is read in pieces, which takes half the memory, and again as a whole where a column of one piece
+        holds numbers and of another texts.
+        """
         chosen: dict[str, Any] = {} if columns is None else {"usecols": list(columns)}
-        frame: pd.DataFrame = pd.read_csv(
-            io.StringIO(self.layout.rows),
+        read: Callable[..., Any] = functools.partial(
+            pd.read_csv,
             sep=r"\s+" if self.layout.separator == " " else self.layout.separator,
             decimal=self.layout.decimal,
             **EXACT_NUMBERS,
@@ -112,6 +120,14 @@ class _Cells:
             low_memory=False,
             dtype=dict(types),
         )
+        text = self.layout.rows.encode()  # StringIO takes four bytes a character
+        if len(text) > LONG:
+            pieces = list(read(io.BytesIO(text), chunksize=PIECE))
+            kinds = ({piece[name].dtype.kind for piece in pieces} for name in pieces[0])
+            if all(len(kind) == 1 or kind == {"i", "f"} for kind in kinds):
+                together: pd.DataFrame = pd.concat(pieces)
+                return together
+        frame: pd.DataFrame = read(io.BytesIO(text))
         return frame
 
 

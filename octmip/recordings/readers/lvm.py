@@ -5,8 +5,9 @@ Source: National Instruments, Specification for the LabVIEW Measurement File (.l
 
 import functools
 import io
+import re
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,6 +20,9 @@ from octmip.recordings.recording import Channel, Floats, Recording
 HEAD = 1 << 16
 """Bytes in which both headers stand."""
 BEGIN, END, X = "LabVIEW Measurement", "***End_of_Header***", "X_Value"
+END_LINE = re.compile(re.escape(END) + ".*\n")
+Keys = dict[str, list[str]]
+"""Cells behind each word of a header."""
 
 
 def is_measurement(path: Path) -> bool:
@@ -30,44 +34,42 @@ def is_measurement(path: Path) -> bool:
 def read(path: Path) -> Recording:
     """Return the channels of all segments, each segment from its own date and time on."""
     text, told = Source(path, "tsv").text()
-    head, begin, *bodies = text.replace("\r\n", "\n").split(END)
-    keys = _keys(head.splitlines(), "," if "Separator,Comma" in head else "\t")
-    found: dict[str, list[tuple[Floats, Floats]]] = {}
-    units: dict[str, str] = {}
+    head, begin, *bodies = END_LINE.split(text.replace("\r\n", "\n"))
+    del text  # which is as large as its segments
+    separator = "," if "Separator,Comma" in head else "\t"
+    found: dict[str, list[tuple[str, Floats, Floats]]] = {}
     start = None
     for body in bodies:  # the rows of a segment, and the header of the next
-        own = {**keys, **_keys(begin.splitlines(), keys["separator"])}
-        rows, _, begin = body.partition("\n")[2].partition("\n\n")
-        at = pd.to_datetime(" ".join(own[key][0] for key in ("Date", "Time") if key in own), errors="coerce")
+        keys = {**_keys(head, separator), **_keys(begin, separator)}
+        rows, _, begin = body.partition("\n\n")
+        at = pd.to_datetime(" ".join(keys[key][0] for key in ("Date", "Time") if key in keys), errors="coerce")
         start = at if start is None else start
         late = 0.0 if pd.isna(at) or pd.isna(start) else (at - start).total_seconds()
-        for name, unit, time, values in _channels(path, rows, own):
-            found.setdefault(name, []).append((late + time, values))
-            units.setdefault(name, unit)
+        for name, unit, time, values in _channels(path, rows, keys, separator):
+            found.setdefault(name, []).append((unit, late + time, values))
     told += (f"{len(bodies)} segments follow one another.",) * (len(bodies) > 1)
-    loaders = {name: functools.partial(_joined, name, units[name], own) for name, own in found.items()}
-    return Recording("lvm", loaders, notes=told)
+    return Recording("lvm", {name: functools.partial(_joined, name, own) for name, own in found.items()}, notes=told)
 
 
-def _joined(name: str, unit: str, pieces: list[tuple[Floats, Floats]]) -> Channel:
-    time, values = (np.concatenate(part) for part in zip(*pieces, strict=True))
-    return Channel(name, unit, time, values)
+def _joined(name: str, pieces: list[tuple[str, Floats, Floats]]) -> Channel:
+    units, times, values = zip(*pieces, strict=True)
+    return Channel(name, units[0], np.concatenate(times), np.concatenate(values))
 
 
-def _keys(lines: list[str], separator: str) -> dict[str, Any]:
-    cells = [[cell.strip() for cell in line.split(separator)] for line in lines]
-    return {"separator": separator, **{row[0]: row[1:] for row in cells if row[0]}}
+def _keys(header: str, separator: str) -> Keys:
+    cells = ([cell.strip() for cell in line.split(separator)] for line in header.splitlines())
+    return {row[0]: row[1:] for row in cells if row[0]}
 
 
-def _channels(path: Path, rows: str, keys: dict[str, Any]) -> Any:
+def _channels(path: Path, rows: str, keys: Keys, separator: str) -> Iterator[tuple[str, str, Floats, Floats]]:
     """Yield name, unit, times [s] and numbers of the channels of a segment."""
-    names, _, body = rows.partition("\n")
-    heads = [name.strip() for name in names.split(keys["separator"])]
+    stream = io.BytesIO(rows.encode())
+    heads = [name.strip() for name in stream.readline().decode().split(separator)]
     heads = heads[:-1] if heads[-1] == "Comment" else heads
     decimal = keys.get("Decimal_Separator", ["."])[0] or "."
     frame = pd.read_csv(
-        io.StringIO(body), sep=keys["separator"], header=None, names=[*range(len(heads))], usecols=range(len(heads)),
-        decimal=decimal, index_col=False, **EXACT_NUMBERS,
+        stream, sep=separator, header=None, names=[*range(len(heads))], usecols=range(len(heads)), decimal=decimal,
+        index_col=False, **EXACT_NUMBERS,
     )  # fmt: skip
     kind, times, k = keys.get("X_Columns", ["One"])[0], None, 0
     for column, name in enumerate(heads):
