@@ -112,7 +112,9 @@ def block_levels(channel: Channel, how: How, edges: Floats) -> Floats:
     length = float(edges[1] - edges[0])
     if isinstance(how, tuple):
         low, high = how
-        if not 0.0 <= low < high <= 0.5 / channel.step or length * (high - low) < LINES:
+        if not low < high:
+            raise DataError(f"a band from {low:g} to {high:g} Hz; expected its lower end first; swap them")
+        if not (low >= 0.0 and high <= 0.5 / channel.step and length * (high - low) >= LINES):
             raise DataError(
                 f"a band from {low:g} to {high:g} Hz in blocks of {length:.4g} s of channel {channel.name}; expected "
                 f"one below {0.5 / channel.step:.4g} Hz and {LINES / length:.3g} Hz wide at least; name another, or "

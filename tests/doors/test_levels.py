@@ -82,6 +82,7 @@ def test_a_block_with_a_gap_or_a_bad_sample_has_no_value():
     ("how", "window", "said"),
     [
         ((10.0, 60.0), None, "band from 10 to 60 Hz .* expected one below 50 Hz"),
+        ((20.0, 10.0), None, "band from 20 to 10 Hz; expected its lower end first"),
         ((10.0, 10.1), None, "in blocks of 50 s .* and 0.32 Hz wide at least"),
         ("max", Window(900.0, 990.0), "0 of 8 blocks of 11.25 s of channel a have no gap"),
     ],

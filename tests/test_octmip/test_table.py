@@ -47,6 +47,17 @@ def test_numbers_are_read_to_the_last_bit(tmp_path):
     [
         ("t\tforce\tComment\n0\t5\n1\t6\n", {"t": [0, 1], "force": [5, 6]}, ""),
         ("x,y\n1,2\n3,4\ny,x\n6,5\n", {"x": [1, 3, 5], "y": [2, 4, 6]}, "another order below line 4"),
+        (
+            "t,y\nTime [s],Force (N)\n1,2\n3,4\n",
+            {"t": [1, 3], "y": [2, 4]},
+            "line 2 under the header with the units",
+        ),
+        ("t,y\n,Force (N)\n1,2\n3,4\n", {"t": [1, 3], "y": [2, 4]}, "the units (y N)"),
+        (
+            "a,y\nway (km),\nrise (m),2\nfall (m),3\n",
+            {"a": ["way (km)", "rise (m)", "fall (m)"], "y": [None, 2, 3]},
+            "",
+        ),
         ("note,see,below\nnote,see,beside\nnote,or,ask\nx,y\n1,a\n2,b\n3,c\n", {"x": [1, 2, 3], "y": [*"abc"]}, ""),
         ("y\n1.1\n1.2\n1.10\n", {"y": [1.1, 1.2, 1.1]}, "1.1 and 1.10 in column 'y' are one number"),
         ("y;z\n500;0.5\n3.000;1.000\n", {"y": [500, 3], "z": [0.5, 1]}, "3.000 in column 'y' has decimals"),
@@ -54,7 +65,7 @@ def test_numbers_are_read_to_the_last_bit(tmp_path):
 )
 def test_comments_above_and_beside_and_another_order_of_columns_are_read(tmp_path, text, columns, told):
     table = read_table(csv_file(tmp_path, text))
-    assert table.frame.to_dict("list") == columns
+    assert table.frame.astype(object).where(table.frame.notna(), None).to_dict("list") == columns
     assert told in " ".join(table.notes)
 
 

@@ -16,7 +16,7 @@ from octmip.formats.table.lines import (
     split_rows,
     width_of,
 )
-from octmip.formats.table.units import is_type, is_unit, unit_in
+from octmip.formats.table.units import is_type, is_unit, unit_behind, unit_in
 from octmip.input.messages import several
 
 END_OF_HEADER = "***End_of_Header***"
@@ -85,12 +85,12 @@ def top_of(name: str, lines: Sequence[tuple[int, str]], separator: str) -> Top:
     if not start:
         _refuse_tables(name, [line for line in lines if line[0] < number])
     beside = [row.cells for row in (*between, *before[-1:]) if len(row.cells) == len(names)]
-    units = next((cells for cells in beside if is_units(cells)), ())
+    units = next((units for units in map(_units_of, beside) if units), ())
     begin = rows[first].number if first < len(rows) else rows[-1].last + 1
     text_of, used = dict(lines), {k for row in rows for k in range(row.number, row.last + 1)} | {number}
     return Top(
         header=_without_comment(names, n_cells),
-        units=tuple(map(unit_in, units))[:n_cells],
+        units=units[:n_cells],
         line=number,
         first=begin,
         n_cells=n_cells,
@@ -243,11 +243,21 @@ def _between(
     return list(rows[begin:first]), first
 
 
+def _units_of(cells: Sequence[str]) -> tuple[str, ...]:
+    """Return the units in a row of units, or behind the names of a second header; () in any other row."""
+    if is_units(cells):
+        return tuple(map(unit_in, cells))
+    names, units = zip(*map(unit_behind, cells), strict=True)
+    are_names = not any(name and is_value(name) for name in names)
+    return units if are_names and any(units) and all(map(is_unit, units)) else ()
+
+
 def _names_units(cells: Sequence[str], numeric: Sequence[int]) -> bool:
     """Whether a row is one of units: of numbers where there are such columns, since m is a class too."""
-    return is_units(cells) and (
-        not numeric or any(cells[j] for j in numeric if j < len(cells)) or not any(map(unit_in, cells))
-    )
+    if not is_units(cells):
+        units = _units_of(cells)
+        return any(units[j] for j in numeric if j < len(units))
+    return not numeric or any(cells[j] for j in numeric if j < len(cells)) or not any(map(unit_in, cells))
 
 
 def _without_comment(names: tuple[str, ...], n_cells: int) -> tuple[str, ...]:
