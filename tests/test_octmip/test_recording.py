@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from octmip.errors import DataError
-from octmip.recordings import opening
 from octmip.recordings.assignment import _by_name, in_unit
 from octmip.recordings.averages import _edges, _rounded, _row_length, _rows, _tests
 from octmip.recordings.recording import Channel, Recording
@@ -138,14 +137,3 @@ def test_a_slow_channel_has_gaps_in_the_rows_of_a_fast_one():
     assert rows["fast"].tolist() == [10.0 * k + 4.5 for k in range(10)]
     assert rows["slow"].dropna().to_dict() == {0: 0.0, 2: 1.0, 5: 2.0, 7: 3.0}
     assert len(_rows(channels, found, _edges(found, window, 0.1))) == 100
-
-
-def test_channels_of_tdms_whose_groups_and_names_join_to_one_text_stay_two(tmp_path):
-    nptdms = pytest.importorskip("nptdms")
-    step = {"wf_increment": 0.1, "wf_start_offset": 0.0}
-    with nptdms.TdmsWriter(tmp_path / "run.tdms") as file:
-        for group, name, level in (("A/B", "C", 1.0), ("A", "B/C", 2.0), ("A", "D", 3.0)):
-            file.write_segment([nptdms.ChannelObject(group, name, np.full(3, level), step)])
-    opened = opening.recording(tmp_path / "run.tdms")
-    found = {name: opened[name].values[0] for name in opened.channels}
-    assert found == {"'A/B'/'C'": 1.0, "'A'/'B/C'": 2.0, "A/D": 3.0}
