@@ -81,13 +81,13 @@ def scaled(slope: float) -> Mapping[str, Any]:
     return {"NI_Number_Of_Scales": 1, "wf_increment": 0.1, **{f"NI_Scale[0]_{key}": own for key, own in scale.items()}}
 
 
-def mdf(is_finished: bool = True, **master: Any) -> Callable[[Path], None]:
+def mdf(version: str = "4.10", is_finished: bool = True, **master: Any) -> Callable[[Path], None]:
     """Return what writes a channel of MDF over time or another quantity; a logger's head says whether it ended it."""
 
     def write(path: Path) -> None:
         import asammdf
 
-        with asammdf.MDF(version="4.10") as file:
+        with asammdf.MDF(version=version) as file:
             file.append(asammdf.Signal(STEPS, TENTHS, name="force", **master))
             file.save(path)
         if not is_finished:
@@ -230,6 +230,7 @@ FILES = {
         {"'A/B'/'C'": RIGHT, "'A'/'B/C'": (TENTHS, 1 + STEPS), "A/D": (TENTHS, 2 + STEPS)},
     ),
     "MDF that was not finished": File("a.mf4", mdf(is_finished=False), {"force": RIGHT}),
+    "MDF 3": File("a.mdf", mdf("3.30"), {"force": RIGHT}),
     "a channel over an angle": File(
         "a.mf4", mdf(master_metadata=("Angle", 2)), {"force": RIGHT}, "", "'force' is recorded over 'Angle', no time"
     ),

@@ -41,12 +41,19 @@ def test_two_peers_cut_fractional_classes_to_whole_numbers_in_silence(peer):
     assert np.asarray(model.predict(np.array([[0.0], [3.0]]))).tolist() == [0, 1]
 
 
-def test_the_texts_that_streed_asks_about_are_those_it_meets_first():
+@pytest.mark.parametrize(("text", "n_errors"), [("d", 0), ("e", 4)])
+def test_streed_asks_about_the_four_texts_that_it_meets_first(text, n_errors):
     texts = pd.DataFrame({"t": np.repeat(list("abcdefgh"), 4)})
-    labels = np.isin(texts["t"], ["g", "h"]).astype(int)
-    backwards = np.arange(32)[::-1]
-    assert errors(streed(max_depth=2), texts, labels) == 8
-    assert errors(streed(max_depth=2), texts.iloc[backwards], labels[backwards]) == 0
+    labels = (texts["t"] == text).to_numpy(dtype=int)
+    assert errors(streed(), texts, labels) == n_errors
+    assert errors(streed(), texts.iloc[::-1], labels[::-1]) == 4 - n_errors
+
+
+def test_two_peers_take_no_level_and_streed_counts_splits():
+    for peer in (contree(), streed()):
+        assert errors(peer.set_params(max_depth=0), ROWS, np.array([0, 0, 0, 1])) == 1
+    for n_splits, n_errors in ((1, 1), (2, 0)):
+        assert errors(streed(max_depth=2, max_num_nodes=n_splits), ROWS, np.array([0, 1, 1, 0])) == n_errors
 
 
 def test_streed_takes_numbers_and_has_balanced_accuracy():
@@ -76,7 +83,8 @@ def parameters(of: type) -> dict[str, object]:
 
 def test_the_peers_have_the_parameters_that_the_page_names():
     greedy, peer, other = parameters(DecisionTreeClassifier), parameters(type(contree())), parameters(type(streed()))
-    assert greedy["max_depth"] is None
+    ours = parameters(OptimalTreeClassifier)
+    assert (ours["max_depth"], ours["seconds"], greedy["max_depth"]) == ("auto", 60.0, None)
     assert {"min_samples_leaf", "min_weight_fraction_leaf", "max_leaf_nodes", "monotonic_cst", "ccp_alpha"} < set(
         greedy
     )
@@ -131,6 +139,14 @@ def test_balanced_weights_of_scikit_learn_count_rows_and_those_of_octmip_weights
     ours = OptimalTreeClassifier(**words, smoothing=0).fit(same, labels, sample_weight=weights)
     assert greedy.predict_proba(same[:1]).tolist() == [[0.25, 0.75]]
     assert ours.predict_proba(same[:1]).tolist() == [[0.5, 0.5]]
+
+
+def test_weight_2_is_two_samples_but_counts_as_one_row_of_a_leaf():
+    features, labels, weights = [[0.0], [1.0], [2.0]], [0, 1, 1], [2, 1, 1]
+    one = OptimalTreeClassifier(1, min_samples_leaf=2).fit(features, labels, sample_weight=weights)
+    two = OptimalTreeClassifier(1, min_samples_leaf=2).fit([[0.0], *features], [0, *labels])
+    assert (one.objective_, two.objective_) == (2.0, 0.0)
+    assert OptimalTreeClassifier(1).fit(features, labels, sample_weight=weights).objective_ == 0.0
 
 
 def test_scikit_learn_compares_readings_in_float32_and_octmip_as_they_are():
