@@ -1,8 +1,8 @@
 """Recordings of measuring systems, and the campaign that their windows of steady load make."""
 
 from octmip.recordings.averages import Averages, averages_of, campaign_of
-from octmip.recordings.levels import Levels, levels_of
-from octmip.recordings.modes import Modes, modes_of
+from octmip.recordings.levels import levels_of
+from octmip.recordings.modes import modes_of
 from octmip.recordings.opening import recording
 from octmip.recordings.recording import Channel, Recording
 from octmip.recordings.windows import Window
@@ -10,8 +10,6 @@ from octmip.recordings.windows import Window
 __all__ = [
     "Averages",
     "Channel",
-    "Levels",
-    "Modes",
     "Recording",
     "Window",
     "averages_of",

@@ -21,7 +21,7 @@ from octmip.formats.table import Source, Table
 from octmip.formats.table.units import factor_between
 from octmip.gap import Campaign, read_campaign
 from octmip.recordings.assignment import fixed_names, in_unit, places_of, taken, without
-from octmip.recordings.levels import How, block_levels, equal_blocks, words_of
+from octmip.recordings.levels import How, equal_blocks, levels_of, words_of
 from octmip.recordings.modes import modes_of
 from octmip.recordings.recording import Channel, Floats, Recording
 from octmip.recordings.statistics import Statistic, inside_of, refuse_bare, refuse_placeholders, statistic_of
@@ -173,7 +173,7 @@ def averages_of(
         frame = _rows(channels, found, edges).drop(columns=list(shaken))
         loaded_at = {key: numbers[key] if key in numbers else _rounded(found[key]) for key in fixed if key in places}
         modal = _modal(modes, twin, list(shaken.values()), window, len(frame)) if modes else {}
-        peaks = {key: block_levels(channels[key], how, edges) for key, how in levels.items()}
+        peaks = {key: levels_of(channels[key], how, edges) for key, how in levels.items()}
         frames.append(frame.assign(test=name, **loaded_at, **modal, **peaks))
     rows = pd.concat(frames, ignore_index=True)
     if levels:
@@ -278,9 +278,9 @@ def _modal(
 ) -> dict[str, Floats]:
     """Return frequencies [Hz] and damping ratios (n_stretches,) by the twin's names."""
     near = sorted(set(modes.values()))
-    found = modes_of(series, near, window, n)
+    found = modes_of(series, near, np.linspace(window.start, window.end, n + 1))
     return {
-        name: (found.frequencies if _is_frequency(twin, name) else found.damping)[:, near.index(frequency)]
+        name: found[:, near.index(frequency), 0 if _is_frequency(twin, name) else 1]
         for name, frequency in modes.items()
     }
 

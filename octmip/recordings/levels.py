@@ -12,60 +12,21 @@ Source: Bendat & Piersol (2010), section 8.5.1.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import scipy.integrate
 import scipy.signal
-import scipy.stats
 
 from octmip.errors import DataError
 from octmip.input.messages import shown
 from octmip.recordings.modes import stretches
 from octmip.recordings.recording import Channel, Floats
-from octmip.recordings.statistics import worth
-from octmip.recordings.windows import STRETCHES, Window
+from octmip.recordings.windows import Window
 
 How = str | tuple[float, float]
 """Which value: "max", "min", or a band [Hz]."""
 LINES = 16
 """Lines of the spectrum in a band."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Levels:
-    """What the blocks of a window show of a channel.
-
-    Attributes
-    ----------
-    values
-        (n_blocks,) in the channel's unit; NaN of a block with a gap or an invalid sample.
-
-    Examples
-    --------
-    >>> levels = Levels(np.array([3.0, 3.2, 2.9, np.nan, 3.1, 3.05]))
-    >>> round(levels.mean, 2), levels.effective
-    (3.05, 5.0)
-    """
-
-    values: Floats
-
-    @property
-    def mean(self) -> float:
-        """Of the blocks that have a value."""
-        return float(np.nanmean(self.values))
-
-    @property
-    def effective(self) -> float:
-        """How many independent blocks the mean is worth."""
-        return worth(self.values[np.isfinite(self.values)])
-
-    @property
-    def half_width(self) -> float:
-        """Of the 95 % interval about `mean`."""
-        n = int(np.isfinite(self.values).sum())
-        quantile = float(scipy.stats.t.ppf(0.975, n - 1)) if n > 1 else np.nan
-        return quantile * float(np.nanstd(self.values, ddof=1) if n > 1 else np.nan) / float(np.sqrt(self.effective))
 
 
 def how_of(text: str) -> How:
@@ -88,8 +49,10 @@ def how_of(text: str) -> How:
         raise DataError(f"level {shown(text)}; expected max, min, or LOW:HIGH in Hz; write it so") from error
 
 
-def levels_of(channel: Channel, how: How, window: Window | None = None, n_blocks: int = STRETCHES) -> Levels:
-    """Return the peaks or levels of a channel in the blocks of a window, of the whole recording where None is given.
+def levels_of(channel: Channel, how: How, edges: Floats) -> Floats:
+    """Return the peak or level (n_blocks,) of a channel in each block between edges (n_blocks + 1,) [s].
+
+    It is in the channel's unit, NaN of a block with a gap or an invalid sample.
 
     Raises
     ------
@@ -100,15 +63,10 @@ def levels_of(channel: Channel, how: How, window: Window | None = None, n_blocks
     --------
     >>> time = np.arange(0.0, 80.0, 0.01)
     >>> wave = Channel("a", "g", time, 2.0 * np.sin(2.0 * np.pi * 15.0 * time))
-    >>> round(levels_of(wave, (10.0, 20.0)).mean, 3), round(levels_of(wave, "max").mean, 3)
-    (1.414, 2.0)
+    >>> edges = np.array([0.0, 40.0, 80.0])
+    >>> levels_of(wave, (10.0, 20.0), edges).round(3).tolist(), levels_of(wave, "max", edges).round(3).tolist()
+    ([1.414, 1.414], [2.0, 2.0])
     """
-    whole = window or Window(float(channel.time[0]), float(channel.time[-1]) + channel.step)
-    return Levels(block_levels(channel, how, np.linspace(whole.start, whole.end, n_blocks + 1)))
-
-
-def block_levels(channel: Channel, how: How, edges: Floats) -> Floats:
-    """Return the value (n_blocks,) of each block between edges (n_blocks + 1,); raises as `levels_of`."""
     length = float(edges[1] - edges[0])
     if isinstance(how, tuple):
         low, high = how

@@ -12,15 +12,12 @@ import contextlib
 import io
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import scipy.stats
 
 from octmip.errors import DataError, needed_by
 from octmip.recordings.recording import Channel, Floats
-from octmip.recordings.windows import STRETCHES, Window
 
 QUIET = {"PYOMA_LOG_LEVEL": "WARNING", "PYOMA_DISABLE_MATPLOTLIB_LOGGING": "False"}
 """Read when pyOMA-2 is imported; without the first every run writes five lines on standard error."""
@@ -42,50 +39,10 @@ EVEN = 0.2
 """How far a time may lie off its place, over the step."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Modes:
-    """What the stretches of a window say of its modes.
+def modes_of(series: Sequence[Channel], near: Sequence[float], edges: Floats) -> Floats:
+    """Return frequencies [Hz] and damping (n_stretches, n_modes, 2) of modes, by vibrations.
 
-    Attributes
-    ----------
-    frequencies, damping
-        (n_stretches, n_modes) [Hz] and shares of critical damping; NaN where a stretch has no such mode.
-
-    Examples
-    --------
-    >>> Modes(np.array([[4.0, 11.0], [4.2, 11.2]]), np.array([[0.01, 0.02], [0.01, 0.02]])).mean.round(3).tolist()
-    [4.1, 11.1, 0.01, 0.02]
-    """
-
-    frequencies: Floats
-    damping: Floats
-
-    @property
-    def mean(self) -> Floats:
-        """(2 n_modes,) frequencies, then damping ratios, of the stretches that have all of them."""
-        return np.asarray(self._rows.mean(axis=0))
-
-    @property
-    def covariance(self) -> Floats:
-        """(2 n_modes, 2 n_modes) of `mean`."""
-        return np.atleast_2d(np.cov(self._rows, rowvar=False)) / len(self._rows)
-
-    @property
-    def half_widths(self) -> Floats:
-        """(2 n_modes,) of the 95 % interval about `mean`."""
-        quantile = float(scipy.stats.t.ppf(0.975, len(self._rows) - 1))
-        return np.asarray(quantile * np.sqrt(np.diag(self.covariance)))
-
-    @property
-    def _rows(self) -> Floats:
-        rows = np.hstack([self.frequencies, self.damping])
-        return rows[np.isfinite(rows).all(axis=1)]
-
-
-def modes_of(
-    series: Sequence[Channel], near: Sequence[float], window: Window | None = None, n_stretches: int = STRETCHES
-) -> Modes:
-    """Return frequencies and damping of modes in a window, by vibrations.
+    Damping is a share of the critical one; NaN where a stretch has no such mode.
 
     Parameters
     ----------
@@ -93,8 +50,8 @@ def modes_of(
         accelerations, speeds, ways or strains, all read at once at one rate.
     near
         (n_modes,) a frequency within a tenth of each mode [Hz].
-    window
-        the whole recording where None is given.
+    edges
+        (n_stretches + 1,) of the stretches [s].
 
     Raises
     ------
@@ -103,10 +60,14 @@ def modes_of(
 
     Examples
     --------
-    >>> run = recording("RUN.tdms")  # doctest: +SKIP
-    >>> modes_of([run["Accel/1"], run["Accel/2"]], near=[4.0, 11.0]).mean  # doctest: +SKIP
+    >>> time = np.arange(0.0, 400.0, 0.025)
+    >>> decay = np.exp(-0.25 * time[:800]) * np.sin(25.0 * time[:800])
+    >>> moved = np.convolve(np.random.default_rng(0).normal(size=len(time)), decay)[: len(time)]
+    >>> found = modes_of([Channel("a", "g", time, moved)], [4.0], np.array([0.0, 200.0, 400.0]))
+    >>> found.shape, (2.0 * np.pi * found[:, 0, 0]).round().tolist()
+    ((2, 1, 2), [25.0, 25.0])
     """
-    highest, lowest = max(near, default=0.0), min(near, default=0.0)
+    highest, lowest, n_stretches = max(near, default=0.0), min(near, default=0.0), len(edges) - 1
     if not (series and lowest > 0.0 and n_stretches > 1):
         raise DataError(
             f"{len(series)} channels, modes near {list(near)} Hz, {n_stretches} stretches; expected one channel, "
@@ -124,8 +85,6 @@ def modes_of(
             f"channel {first.name} has {1 / first.step:.4g} samples a second; expected more than {2.5 * highest:.4g} "
             f"for a mode near {highest:g} Hz; name lower modes"
         )
-    whole = window or Window(float(first.time[0]), float(first.time[-1]) + first.step)
-    edges = np.linspace(whole.start, whole.end, n_stretches + 1)
     heard: list[float] = []
     rows = np.array([_identified(part, near, heard) for part in stretches(series, edges)])
     for k, frequency in enumerate(near):
@@ -146,7 +105,7 @@ def modes_of(
                 f"{frequency:g} Hz; expected half of them; most stable ones are at {others} Hz; name one of "
                 "these, or a longer window"
             )
-    return Modes(rows[:, :, 0], rows[:, :, 1])
+    return rows[:, :, :2]
 
 
 def stretches(series: Sequence[Channel], edges: Floats) -> Iterator[tuple[Floats, float]]:

@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 import scipy.io
 import scipy.signal
+import scipy.stats
 
 from octmip.errors import DataError
 from octmip.interfaces.cli import main
-from octmip.recordings import Channel, Window, levels_of
+from octmip.recordings import Channel, levels_of
+from octmip.recordings.statistics import worth
 
 RATE, SECONDS = 100.0, 400.0
+EIGHTHS = np.linspace(0.0, SECONDS, 9)
 BEAM = """
 def beam(parameters, loads):
     return [parameters["level"] / 100, parameters["level"] / 100 * 3.677]
@@ -45,29 +48,33 @@ PEAKS = {0.0: 3.677, 0.9: 8.022}
 """Mean largest sample of 5,000, of five thousand blocks."""
 
 
+def half_width(levels):
+    """Return that of the 95 % interval about the mean of levels (n,)."""
+    return scipy.stats.t.ppf(0.975, len(levels) - 1) * levels.std(ddof=1) / np.sqrt(worth(levels))
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("memory", PEAKS)
 def test_intervals_of_95_percent_hold_the_truth_of_a_hundred_series(memory):
     held = np.zeros(3, dtype=int)
     for seed in range(100):
         series = channel(noise(seed, memory))
-        found = [levels_of(series, how) for how in ("max", "min", (10.0, 20.0))]
+        found = [levels_of(series, how, EIGHTHS) for how in ("max", "min", (10.0, 20.0))]
         truth = (PEAKS[memory], -PEAKS[memory], level(memory))
-        held += [abs(one.mean - right) < one.half_width for one, right in zip(found, truth, strict=True)]
+        held += [abs(one.mean() - right) < half_width(one) for one, right in zip(found, truth, strict=True)]
     assert held.min() >= 90
     assert held.max() <= 99
 
 
 def test_values_are_those_of_the_blocks_and_their_worth_falls_with_memory():
     values = noise(1, 0.9)
-    found = levels_of(channel(values), "max", Window(0.0, 80.0), n_blocks=4)
-    assert found.values.tolist() == values[:8000].reshape(4, 2000).max(axis=1).tolist()
-    assert (found.mean, found.effective <= 4.0) == (pytest.approx(found.values.mean()), True)
-    drift = levels_of(channel(values + np.linspace(0.0, 50.0, len(values))), "max", n_blocks=40)
-    assert drift.effective < 3.0
+    found = levels_of(channel(values), "max", np.linspace(0.0, 80.0, 5))
+    assert found.tolist() == values[:8000].reshape(4, 2000).max(axis=1).tolist()
+    drift = levels_of(channel(values + np.linspace(0.0, 50.0, len(values))), "max", np.linspace(0.0, SECONDS, 41))
+    assert worth(drift) < 3.0
     sine = channel(2.0 * np.sin(2.0 * np.pi * 15.0 * np.arange(40_000) / RATE))
-    assert levels_of(sine, (10.0, 20.0)).mean == pytest.approx(np.sqrt(2.0), rel=1e-3)
-    assert levels_of(sine, (20.0, 30.0)).mean < 0.02
+    assert levels_of(sine, (10.0, 20.0), EIGHTHS).mean() == pytest.approx(np.sqrt(2.0), rel=1e-3)
+    assert levels_of(sine, (20.0, 30.0), EIGHTHS).mean() < 0.02
 
 
 def test_a_block_with_a_gap_or_a_bad_sample_has_no_value():
@@ -75,21 +82,21 @@ def test_a_block_with_a_gap_or_a_bad_sample_has_no_value():
     values[100] = np.nan
     keep = (np.arange(len(values)) < 9000) | (np.arange(len(values)) > 9010)
     series = Channel("a", "g", np.arange(len(values))[keep] / RATE, values[keep])
-    assert np.isfinite(levels_of(series, "max").values).tolist() == [False, False] + [True] * 6
+    assert np.isfinite(levels_of(series, "max", EIGHTHS)).tolist() == [False, False] + [True] * 6
 
 
 @pytest.mark.parametrize(
-    ("how", "window", "said"),
+    ("how", "end", "said"),
     [
-        ((10.0, 60.0), None, "band from 10 to 60 Hz .* expected one below 50 Hz"),
-        ((20.0, 10.0), None, "band from 20 to 10 Hz; expected its lower end first"),
-        ((10.0, 10.1), None, "in blocks of 50 s .* and 0.32 Hz wide at least"),
-        ("max", Window(900.0, 990.0), "0 of 8 blocks of 11.25 s of channel a have no gap"),
+        ((10.0, 60.0), SECONDS, "band from 10 to 60 Hz .* expected one below 50 Hz"),
+        ((20.0, 10.0), SECONDS, "band from 20 to 10 Hz; expected its lower end first"),
+        ((10.0, 10.1), SECONDS, "in blocks of 50 s .* and 0.32 Hz wide at least"),
+        ("max", 0.2, "0 of 8 blocks of 0.025 s of channel a have no gap"),
     ],
 )
-def test_what_a_recording_does_not_bear_is_one_sentence(how, window, said):
+def test_what_a_recording_does_not_bear_is_one_sentence(how, end, said):
     with pytest.raises(DataError, match=said):
-        levels_of(channel(noise(1, 0.0)), how, window)
+        levels_of(channel(noise(1, 0.0)), how, np.linspace(0.0, end, 9))
 
 
 @pytest.fixture
