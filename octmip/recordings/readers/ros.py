@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 from rosbags.serde.utils import SIZEMAP
 
-from octmip.recordings.readers.messages import MOST_FIELDS, Columns, columns_of, joined
+from octmip.recordings.readers.messages import MOST_FIELDS, Columns, columns_of, field_of, joined
 from octmip.recordings.recording import Floats
 
 MOST_LAYOUTS = 4
@@ -48,15 +48,11 @@ class Decoder:
         first = columns_of([self.decode(messages[0], self.kind)])
         layout = _Layout(self.store, messages[0], self.is_cdr)
         layout.add((Nodetype.NAME, self.kind), "")
-        bytes_of = np.frombuffer(b"".join(messages), dtype=np.uint8).reshape(len(messages), len(messages[0]))
-        fixed = np.array(layout.fixed, dtype=np.int64)
-        same = np.asarray((bytes_of[:, fixed] == bytes_of[0, fixed]).all(axis=1))
-        offsets, kinds = zip(*layout.places.values(), strict=True) if layout.places else ((), ())
-        form: Any = {"names": [*layout.places], "formats": kinds, "offsets": offsets, "itemsize": bytes_of.shape[1]}
-        found = dict[str, Floats]()
-        if layout.places and layout.at <= bytes_of.shape[1]:
-            numbers = bytes_of[same].view(np.dtype(form))[:, 0]
-            found = {name: numbers[name].astype(np.float64) for name in layout.places}
+        content, size = np.frombuffer(b"".join(messages), dtype=np.uint8), len(messages[0])
+        known = content.reshape(len(messages), size)[:, np.array(layout.fixed, dtype=int)]
+        at, same = size * np.arange(len(messages)), np.asarray((known == known[0]).all(axis=1))
+        places = layout.places.items() if layout.at <= size else ()
+        found = {name: field_of(content, at[same], *place).astype(np.float64) for name, place in places}
         is_right = found.keys() == first.keys() and all(
             np.array_equal(own[:1], first[name][1], equal_nan=True) for name, own in found.items()
         )
