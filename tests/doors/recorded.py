@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from benchmarks.recordings import BEAM, CHANNELS, GAUGES, START, Series, write_uff
 
@@ -175,6 +176,12 @@ def text(content: str) -> Callable[[Path], Any]:
     return lambda path: path.write_text(content)
 
 
+def indexed(name: str | None) -> pd.DataFrame:
+    """Return numbers whose times are pandas' index."""
+    stamps = pd.Timestamp("2026-11-29") + pd.to_timedelta(TENTHS, unit="s").round("ms")
+    return pd.DataFrame({"force": STEPS, "g1": -STEPS}, index=pd.Index(stamps, name=name))
+
+
 HEAD = "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\t{}\n"
 HEAD += "Date\t2026/11/29\nTime\t12:00:00\n***End_of_Header***\t\n\n"
 SEGMENT = "Channels\t2\nSamples\t3\t3\nDate\t2026/11/29\t2026/11/29\nTime\t12:00:0{0}\t12:00:0{0}\n"
@@ -224,6 +231,10 @@ FILES = {
         tdms(("G:g1", STEPS, {**EVEN, "wf_start_time": STAMPS[0]}), ("G:g2", STEPS, EVEN)),
         {"G/g2": RIGHT}, "Channels without a start are taken to begin with the first of the others: 'G/g2'.",
     ),
+    "segments of one start": File(
+        "a.tdms", tdms(*[("G:g1", STEPS, {**EVEN, "wf_start_offset": 0.5})] * 2, apart=True),
+        {"G/g1": (0.5 + 0.1 * np.arange(10), np.tile(STEPS, 2))},
+    ),
     "names of TDMS that join to one": File(
         "a.tdms",
         tdms(*((place, k + STEPS, EVEN) for k, place in enumerate(("A/B:C", "A:B/C", "A:D"))), apart=True),
@@ -260,6 +271,13 @@ FILES = {
     "a temperature t in a table": File(
         "a.csv", text("t [°C],Time [ms],force\n" + "".join(f"20,{100 * k},{k}\n" for k in range(5))), {"force": RIGHT}
     ),
+    **{
+        f"an index of pandas called {name} in {ending}": File(
+            f"a.{ending}", lambda path, name=name, write=write: write(indexed(name), path), {"force": RIGHT}
+        )
+        for ending, write in (("csv", pd.DataFrame.to_csv), ("parquet", pd.DataFrame.to_parquet))
+        for name in ("time", None)
+    },
     "segments of .lvm": File("a.lvm", text(lvm("One", ONE, ONE)), {"force": TWICE}, "2 segments follow one another."),
     "segments of .lvm that overlap": File(
         "a.lvm", text(lvm("One", ONE, ONE, late=0)), {"force": TWICE}, "",

@@ -8,10 +8,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from benchmarks.recordings import BEAM, CARD, CHANNELS, FORMATS, GAUGES, UNITS, write_tdms
+from benchmarks.recordings import BEAM, CARD, CHANNELS, FORMATS, GAUGES, START, UNITS, write_tdms
 from octmip.errors import DataError, MissingExtraError
 from octmip.gap import function_twin
 from octmip.gap.doors import open_twin
@@ -64,6 +63,7 @@ def first():
 def test_each_format_holds_the_truth_and_makes_the_same_campaign(form, at, twin, first):
     name, _, places = FORMATS[form]
     opened, series = recording(name), truth()
+    assert opened.start == (START * 10**9 if form in ("TDMS", "MDF", "MCAP", "rosbag", "miniSEED") else None)
     for channel, place in places.items():
         found, known = opened[place], np.isfinite(series[channel])
         leaves_out = form in ("UFF58", "miniSEED")  # whose files have no bad samples
@@ -162,20 +162,6 @@ def test_a_number_of_the_logger_for_no_reading_is_missing(at, twin):
     write_tdms(at / "far.tdms", series)
     found = averages_of(recording("far.tdms"), twin, no_reading=[-9999.0])
     assert any("g2: 70 of 4040 samples are invalid and left out" in note for note in found.table.notes)
-
-
-@pytest.mark.parametrize("form", ["parquet", "csv"])
-@pytest.mark.parametrize("name", ["time", None])
-def test_times_in_the_index_of_pandas_are_times(form, name, at, twin):
-    series = truth()
-    plain = pd.DataFrame(series)
-    plain.to_csv("plain.csv", index=False)
-    instants = pd.Timestamp("2026-11-29") + pd.to_timedelta(plain["time"], unit="s").dt.round("ms")
-    frame = plain.drop(columns="time").set_index(pd.Index(instants, name=name))
-    frame.to_csv("run.csv") if form == "csv" else frame.to_parquet("run.parquet")
-    tables = (averages_of(recording(file), twin).table.frame for file in (f"run.{form}", "plain.csv"))
-    found, right = (table.drop(columns="test") for table in tables)
-    pd.testing.assert_frame_equal(found, right, rtol=1e-9)
 
 
 @pytest.mark.parametrize("way", FILES)

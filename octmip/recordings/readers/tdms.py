@@ -77,7 +77,7 @@ def read(path: Path) -> Recording:
                 "expected one scale; split the file where it was calibrated"
             )
         time = _waveform(own, start or 0) if all(given.get(STEP) for _, given in own) else None
-        if time is None and (clock := clocks[group]) is not None and clock[0] != name:
+        if time is None and (clock := clocks[group]) is not None:
             is_stamped = hasattr(clock[2], "as_datetime64")
             time = seconds_since(start or 0, _nanoseconds(clock[2])) if is_stamped else seconds_in(*clock)
         if time is None:
