@@ -5,6 +5,7 @@ import pytest
 from benchmarks.cases.doors.recordings import measured
 
 
+@pytest.mark.long("DataFlash")
 @pytest.mark.parametrize("form", ["DataFlash", "rosbag"])
 def test_a_recording_is_measured_to_its_diagnosis(form):
     pytest.importorskip({"DataFlash": "pymavlink", "rosbag": "rosbags"}[form])
