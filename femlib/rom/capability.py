@@ -11,7 +11,6 @@ apart from the sampled ones; `mesh_error` is half of what the step to meshes wit
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +22,7 @@ from femlib.assembly.stresses import Block, Faces, block_factors, blocks_of, cor
 from femlib.components import DamagedStructure, checked_damage
 from femlib.errors import InputError, is_number, is_whole
 from femlib.rom.buckling import ReducedBuckling, Sampled, reduce_buckling
+from femlib.rom.model import ReducedModel
 from femlib.rom.zones import LEVELS as DAMAGES
 from femlib.rom.zones import Zones, measured_zones, zone_needs, zone_of_corners
 
@@ -35,21 +35,6 @@ MOST_KEPT = 400
 """Corners and heights kept, those that came nearest."""
 WORST, HALF = 0.9, 0.5
 """Damages of a region alone in the states whose buckling modes are solved; the drawn states have the first at most."""
-
-
-class Motions(Protocol):
-    """What capability asks of a model, such as `femlib.rom.ReducedModel`."""
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the damage parameters (n_parameters,)."""
-
-    @property
-    def motion(self) -> FloatArray | None:
-        """Displacements (n_dofs, n_parts) [m, rad] at load factor 1 of the parts."""
-
-    def parts(self, mu: FloatArray) -> FloatArray:
-        """Return the parts (n_states, n_parts) of checked damages (n_states, n_parameters)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,7 +73,7 @@ class Capability:
 
     Attributes
     ----------
-    model : Motions
+    model : ReducedModel
         Gives the parts of a state.
     blocks : tuple of Block
         The kept corners; their rows are `strains`.
@@ -111,7 +96,7 @@ class Capability:
         Zone of each row of `strains` (n,).
     """
 
-    model: Motions
+    model: ReducedModel
     blocks: tuple[Block, ...]
     strains: FloatArray
     buckling: ReducedBuckling
@@ -163,9 +148,9 @@ class Capability:
 
 def reduce_capability(
     structure: DamagedStructure,
-    model: Motions,
+    model: ReducedModel,
     limits: Limits,
-    load: Callable[[FloatArray], FloatArray],
+    load: FloatArray,
     n_states: int = 300,
     n_checks: int = 6,
     seed: int = 0,
@@ -177,12 +162,12 @@ def reduce_capability(
     ----------
     structure : DamagedStructure
         The full model, of shells alone whose plies have strengths.
-    model : Motions
+    model : ReducedModel
         Its reduced model, with motion.
     limits : Limits
         What must not be reached.
-    load : callable
-        From a state (n_parameters,) to the load at factor 1 (n_dofs,) [N, N m] that the model stands for.
+    load : FloatArray
+        Load at factor 1 (n_dofs,) [N, N m] that the model stands for.
     n_states, n_checks : int
         Random states that are sampled by the reduced model, and that are checked against the full one.
     seed : int
@@ -225,7 +210,7 @@ def reduce_capability(
         model, kept, strains, buckling, deflection, limits.criterion, mesh_error=off, zones=zones, zone=zone
     )
     states = drawn_states(rng, n_checks, len(model.parameters))
-    full = [full_limits(structure, limits, load(state), state, zones) for state in states]
+    full = [full_limits(structure, limits, load, state, zones) for state in states]
     if not n_checks:
         return found
     most = FAR * np.min(full, axis=1, keepdims=True)

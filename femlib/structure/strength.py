@@ -59,4 +59,4 @@ def structure_capability(
         raise InputError("the load is 0; expected forces, whose factor is asked for; give a load")
     rows = sparse.csr_array(np.stack([limits.row, force]))
     model = reduce_structure(damaged, force, rows, OUTPUTS, settings, with_motion=True)
-    return reduce_capability(damaged, model, limits, lambda _: force, n_states, n_checks)
+    return reduce_capability(damaged, model, limits, force, n_states, n_checks)

@@ -5,12 +5,10 @@ from femlib.wing.inertia import inertial_load
 from femlib.wing.model import Wing, tapered_wing, uav_wing
 from femlib.wing.modes import buckle, mass_matrix, vibrate
 from femlib.wing.reduced import ReducedWing, reduce_wing
-from femlib.wing.trim import FlightPoint
 from femlib.wing.twin import WingTwin, full_twin, reduced_twin, saved_twin, uav_twin
 
 __all__ = [
     "BentWing",
-    "FlightPoint",
     "ReducedWing",
     "Wing",
     "WingTwin",

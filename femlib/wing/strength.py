@@ -12,7 +12,6 @@ from femlib.wing.damage import DamageRegion
 from femlib.wing.model import Wing
 from femlib.wing.reduced import ReducedWing
 from femlib.wing.structure import CARBON_LENGTH
-from femlib.wing.trim import TrimmedWing
 
 FINE_STEPS = (CARBON_LENGTH / 4.0, CARBON_LENGTH / 8.0)
 """Distances of the first lines from edges on fine meshes [m]."""
@@ -54,7 +53,7 @@ def wing_limits(wing: Wing, tip_limit: float = TIP_LIMIT, criterion: str = "max 
 
 def wing_capability(
     wing: Wing,
-    reduced: ReducedWing | TrimmedWing,
+    reduced: ReducedWing,
     limits: Limits | None = None,
     n_states: int = 300,
     n_checks: int = 6,
@@ -65,7 +64,7 @@ def wing_capability(
     Parameters
     ----------
     wing, reduced
-        The full model, and its reduced one under the wing's own lift or in trim.
+        The full model, and its reduced one under the wing's own lift.
     limits : Limits, optional
         Those of `wing_limits` if not given.
     n_states, n_checks : int
@@ -75,9 +74,8 @@ def wing_capability(
         as `femlib.wing.built.close_wing`: plies then fail as on fine meshes. `FINE_STEPS` are asked for.
     """
     chosen = wing_limits(wing) if limits is None else limits
-    model, lift = (reduced, reduced.lift) if isinstance(reduced, TrimmedWing) else (reduced.model, lambda _: wing.lift)
     fine = None if finer is None else lambda k: _needs(finer, wing.regions[k], chosen.criterion)
-    return reduce_capability(wing.structure, model, chosen, lift, n_states, n_checks, finer=fine)
+    return reduce_capability(wing.structure, reduced.model, chosen, wing.lift, n_states, n_checks, finer=fine)
 
 
 def _needs(finer: Callable[[DamageRegion, float], Wing], region: DamageRegion, criterion: str) -> Iterator[FloatArray]:

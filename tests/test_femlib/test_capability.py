@@ -135,7 +135,7 @@ def test_what_cannot_be_used_is_refused(tiny, tiny_reduced, capable):
     fields = {name: getattr(model, name) for name in ReducedModel.__dataclass_fields__ if not name.startswith("_")}
     still = ReducedModel(**fields | {"motion": None})
     with pytest.raises(InputError, match="with_motion=True"):
-        reduce_capability(tiny.structure, still, wing_limits(tiny), lambda _: tiny.lift)
+        reduce_capability(tiny.structure, still, wing_limits(tiny), tiny.lift)
     with pytest.raises(InputError, match="most_deflection"):
         wing_limits(tiny, tip_limit=0.0)
     with pytest.raises(InputError, match="mu1 = 1"):

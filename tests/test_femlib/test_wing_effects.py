@@ -14,10 +14,12 @@ from femlib.mesh import DOFS_PER_NODE
 from femlib.wing import WingTwin, bend, uav_wing
 from femlib.wing.effects import wing_effects
 from femlib.wing.effects.damage_outside_library import damage_zones
+from femlib.wing.effects.lift import distributions, moved_aft
 from femlib.wing.effects.planform import MANUFACTURED
 from femlib.wing.effects.response import Response
 from femlib.wing.effects.root_flexibility import rolled
 from femlib.wing.effects.spar_skin_debond import web_edge
+from femlib.wing.inertia import unit_weight
 from femlib.wing.model import reshaped
 from femlib.wing.planform import PLANFORM
 from femlib.wing.structure import WingMaterials
@@ -74,26 +76,11 @@ def test_a_modulus_is_the_strain_of_a_stiffer_wing():
     assert np.allclose(exact, stiffer.strain_microstrain(STATE, 3.0), rtol=1e-6)
 
 
-def test_damaged_skin_pushes_less_when_it_is_warm():
-    shells = WING.structure.shells
-    n = shells.mesh.n_elements
-    scale = np.ones(n)
-    for component in WING.structure.components:
-        scale[component.elements] = 1.0 - STATE[component.parameter]
-    force = thermal_load(shells, np.ones(n), np.zeros(n))
-    lost = sum(
-        STATE[c.parameter] * thermal_load(shells, np.where(c.elements, 1.0, 0.0), np.zeros(n))
-        for c in WING.structure.components
-    )
-    expected = Response(WING).strains(STATE, force - lost)
-    assert np.allclose(signature("temperature_uniform"), expected, rtol=1e-9)
-
-
 @pytest.mark.parametrize(
     "place", ["shares of harmonics 5 and 7: 0 and 0", "shares of harmonics 5 and 7: -0.4 and 0.06"]
 )
 def test_a_shifted_lift_keeps_its_total_and_moves_the_root_moment_by_its_size(place):
-    force = EFFECTS["lift_distribution"].force({}, 1.0, place).reshape(-1, DOFS_PER_NODE)[:, 2]
+    force = distributions(WING)[place].reshape(-1, DOFS_PER_NODE)[:, 2]
     lift = WING.lift.reshape(-1, DOFS_PER_NODE)[:, 2]
     y = WING.structure.shells.mesh.nodes[:, 1]
     assert force.sum() == pytest.approx(0.0, abs=1e-9 * lift.sum())
@@ -101,23 +88,20 @@ def test_a_shifted_lift_keeps_its_total_and_moves_the_root_moment_by_its_size(pl
 
 
 @pytest.mark.parametrize(
-    ("name", "place"),
+    ("name", "place", "force"),
     [
-        ("lift_distribution", "shares of harmonics 5 and 7: 0.2 and 0"),
-        ("torsion", ""),
-        ("payload_inertia", "eta 0.6"),
-        ("temperature_gradient", ""),
-        ("temperature_uniform", ""),
+        ("lift_distribution", "shares of harmonics 5 and 7: 0.2 and 0", lambda place: distributions(WING)[place]),
+        ("torsion", "", lambda place: moved_aft(WING)),
+        ("payload_inertia", "eta 0.6", lambda place: unit_weight(WING, 0.6)),
     ],
 )
-def test_an_effect_of_forces_is_the_wing_solved_with_them(name, place):
-    force = EFFECTS[name].force(STATE, 3.0, place)
-    solved = WING.strain_microstrain(STATE, 1.0, 3.0 * WING.lift + force) - WING.strain_microstrain(STATE, 3.0)
+def test_an_effect_of_forces_is_the_wing_solved_with_them(name, place, force):
+    solved = WING.strain_microstrain(STATE, 3.0, WING.lift + force(place)) - WING.strain_microstrain(STATE, 3.0)
     assert signature(name, place=place) == pytest.approx(solved, rel=1e-6, abs=1e-6)
 
 
 def test_torsion_moves_the_resultant_aft_by_a_hundredth_of_the_chord():
-    force = EFFECTS["torsion"].force({}, 1.0, "").reshape(-1, DOFS_PER_NODE)[:, 2]
+    force = moved_aft(WING).reshape(-1, DOFS_PER_NODE)[:, 2]
     lift = WING.lift.reshape(-1, DOFS_PER_NODE)[:, 2]
     nodes = WING.structure.shells.mesh.nodes
     fraction = nodes[:, 0] / WING.planform.chord(nodes[:, 1] / WING.span)
@@ -125,15 +109,17 @@ def test_torsion_moves_the_resultant_aft_by_a_hundredth_of_the_chord():
     assert force @ fraction == pytest.approx(0.01 * lift.sum(), rel=1e-6)
 
 
-def test_a_warm_upper_skin_is_the_wing_with_that_temperature():
-    mesh = WING.structure.shells.mesh
-    above = np.isin(mesh.patch_of_element, [mesh.patches.index(name) for name in ("top", "R1", "R2")])
-    below = mesh.patch_of_element == mesh.patches.index("bottom")
-    field = 0.5 * above - 0.5 * below
-    heat = thermal_load(WING.structure.shells, field, np.zeros(len(field)))
-    assert signature("temperature_gradient", state={}) == pytest.approx(
-        WING.strain_microstrain({}, 1.0, heat), rel=1e-6
-    )
+@pytest.mark.parametrize("state", [{}, STATE])
+@pytest.mark.parametrize(
+    ("name", "rest", "lower"), [("temperature_uniform", 1.0, 1.0), ("temperature_gradient", 0, -0.5)]
+)
+def test_a_warm_wing_has_that_temperature_and_damaged_skin_pushes_less(name, rest, lower, state):
+    shells, left = WING.structure.shells, WING.structure.left_in(state)
+    number = {patch: k for k, patch in enumerate(shells.mesh.patches)}
+    above = np.isin(shells.mesh.patch_of_element, [number[own] for own in ("top", "R1", "R2")])
+    field = np.where(shells.mesh.patch_of_element == number["bottom"], lower, np.where(above, rest or 0.5, rest))
+    heat = thermal_load(shells, field * left, np.zeros(len(field)))
+    assert signature(name, state=state) == pytest.approx(WING.strain_microstrain(state, 1.0, heat), rel=1e-6)
 
 
 @pytest.mark.parametrize("start", ["top", "web", "bottom"])

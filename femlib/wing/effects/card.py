@@ -6,7 +6,7 @@ signature is then
 
     rows K(mu)^-1 f     [microstrain per unit].
 
-A force that is the same in every state is solved once for all of them (`FixedForce`).
+A force is the same in every state, and solved once for all of them.
 
 Source of the first-order step: R. T. Haftka and Z. Guerdal, Elements of Structural Optimization (1992), section 7.2.
 """
@@ -17,14 +17,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from femlib.arrays import FloatArray
-from femlib.errors import InputError
 from femlib.wing.effects.response import Response
 
-Force = Callable[[Mapping[str, float], float, str], FloatArray]
-
-
-def _no_force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-    raise InputError("the effect has neither forces nor a signature of its own; expected one of them; give `force`")
+Force = Callable[[str], FloatArray]
+"""From a place to nodal forces (n_dofs,) [N, N m] per unit of size at load factor 1."""
+Strains = Callable[[Mapping[str, float], float, str, float], FloatArray]
+"""From state, load factor, place and time to the change of the gauge strains (n_gauges,) [microstrain] per unit."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,10 +41,8 @@ class WingEffect:
         What separates the effect from its nearest confounder.
     load_power : int or None
         The signature is proportional to load_factor**load_power; None where it is no single power.
-    response : Response
-        How the gauges answer forces.
-    force : callable, optional
-        Nodal forces (n_dofs,) per unit of size, for (state, load factor, place); none where `signature` is its own.
+    strains : callable
+        The signature.
     place_names : tuple of str
         Where it may act; ("",) for the whole.
     is_one_sided : bool
@@ -79,8 +75,7 @@ class WingEffect:
     prior_source: str
     separated_by: str
     load_power: int | None
-    response: Response
-    force: Force = _no_force
+    strains: Strains
     place_names: tuple[str, ...] = ("",)
     is_one_sided: bool = False
     prior_mean: float = 0.0
@@ -103,18 +98,11 @@ class WingEffect:
         self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
-        return self.response.strains(state, self.force(state, load_factor, place))
+        return self.strains(state, load_factor, place, time)
 
 
-class FixedForce(WingEffect):
-    """An effect whose force is the same in every state but for its power of the load."""
-
-    __slots__ = ()
-
-    def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
-    ) -> FloatArray:
-        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
-        assert self.load_power is not None
-        force = self.force({}, 1.0, place)
-        return load_factor**self.load_power * self.response.strains_of_fixed(state, self.name, place, force)
+def strains_of(response: Response, name: str, force: Force) -> Strains:
+    """Return the signature of an effect of a name that acts like forces in proportion to the load."""
+    return lambda state, load_factor, place, time: (
+        load_factor * response.strains_of_fixed(state, name, place, force(place))
+    )

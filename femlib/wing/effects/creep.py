@@ -10,22 +10,15 @@ Source: W. N. Findley, J. S. Lai, K. Onaran, Creep and Relaxation of Nonlinear V
 """
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
-import numpy as np
-
-from femlib.arrays import FloatArray
 from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
-from femlib.wing.effects.skins import SkinEffect, SkinForces
+from femlib.wing.effects.skins import SkinForces
 
 HOUR = 3600.0
 EXPONENT = 0.2
 """Power of time of a +-45 carbon fabric in epoxy, whose resin carries the shear. Assumed: plastics creep with 0.1 to
 0.3."""
-
-
 RETARDATION = {"within minutes": 100.0, "within half an hour": 1000.0}
 """Retardation time of one Kelvin element [s]: a decade apart, they tell quick from slow."""
 POWER = "as a power of time"
@@ -38,22 +31,10 @@ def course(time: float, place: str = POWER) -> float:
     return float((max(time, 0.0) / HOUR) ** EXPONENT)
 
 
-class Creep(SkinEffect):
-    """The effect, whose places are its courses of time: the true one is none of them, or lies between two."""
-
-    __slots__ = ()
-
-    def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
-    ) -> FloatArray:
-        """Return the change of the gauge strains (n_gauges,) [microstrain] per unit, `time` [s] after the load."""
-        one_hour = super().signature(twin, state, load_factor, place)
-        return np.asarray(course(time, place) * one_hour)
-
-
 def effect(response: Response) -> WingEffect:
-    """Return the effect."""
-    return Creep(
+    """Return the effect, whose places are its courses of time: the true one is none of them, or lies between two."""
+    skins = SkinForces.of(response)
+    return WingEffect(
         name="creep",
         parameter="growth of the skins' compliance after one hour under load",
         unit="%",
@@ -68,12 +49,10 @@ def effect(response: Response) -> WingEffect:
             "their compliance falls by {size} in the first hour under load",
         ),
         load_power=1,
-        response=response,
+        strains=lambda state, load_factor, place, time: course(time, place) * 0.01 * load_factor * skins.strains(state),
         is_one_sided=True,
         uses_time=True,
         superposes=True,
         place_names=(POWER, *RETARDATION),
         n_between=2,
-        skins=SkinForces.of(response),
-        factor=0.01,
     )

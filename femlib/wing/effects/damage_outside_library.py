@@ -4,8 +4,6 @@ First order: f = +0.01 K_zone u per per cent, u and the response those of the he
 changes little with damage elsewhere). A zone's signature is the sum of its elements' signatures, which are made once.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
@@ -36,7 +34,7 @@ def effect(response: Response) -> WingEffect:
         of_elements = element_signatures(response)
         return {place: 0.01 * of_elements[elements].sum(axis=0) for place, elements in zones.items()}
 
-    return _HealthyResponse(
+    return WingEffect(
         name="damage_outside_library",
         parameter="loss of stiffness of a zone that is no damage region",
         unit="%",
@@ -48,27 +46,13 @@ def effect(response: Response) -> WingEffect:
         action="inspect the wing at {place}",
         says=("it has lost {size} of its stiffness there", "it is {size} stiffer there than the twin"),
         load_power=1,
-        response=response,
+        strains=lambda state, load_factor, place, time: load_factor * signatures()[place],
         place_names=tuple(zones),
         n_between=8,
         signature_error=0.4,
         is_one_sided=True,
         bounds=(0.0, 100.0),
-        signatures=signatures,
     )
-
-
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class _HealthyResponse(WingEffect):
-    """The signature of the healthy wing, whatever the state."""
-
-    signatures: Callable[[], dict[str, FloatArray]]
-
-    def signature(
-        self, twin: object, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
-    ) -> FloatArray:
-        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
-        return load_factor * self.signatures()[place]
 
 
 def element_signatures(response: Response) -> FloatArray:

@@ -14,8 +14,6 @@ Brazier, Proc. R. Soc. A 116 (1927) 104-114 (flattening).
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -29,38 +27,6 @@ from femlib.wing.effects.response import Response
 SMALL_LOAD = 0.02
 """Load factor of the expansion: small, because a cut series strains the membranes by the next power; not so small that
 the third power drowns in rounding."""
-
-
-class Powers:
-    """The coefficients of the powers of the load, kept by state."""
-
-    def __init__(self, response: Response) -> None:
-        self._response = response
-        self._by_state: Kept[tuple[float, ...], tuple[FloatArray, FloatArray]] = Kept()
-
-    def of_state(self, state: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
-        """Return the coefficients (n_gauges,) of L^2 and L^3 [microstrain]."""
-        return self._by_state.get(self._response.key(state), lambda: powers(self._response, state))
-
-
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class LargeDeflection(WingEffect):
-    """The effect: a sum of two powers of the load.
-
-    Attributes
-    ----------
-    powers : Powers
-        Of the same response.
-    """
-
-    powers: Powers
-
-    def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
-    ) -> FloatArray:
-        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
-        square, cube = self.powers.of_state(state)
-        return np.asarray(load_factor**2 * square + load_factor**3 * cube)
 
 
 def powers(response: Response, state: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
@@ -85,8 +51,14 @@ def powers(response: Response, state: Mapping[str, float]) -> tuple[FloatArray, 
 
 
 def effect(response: Response) -> WingEffect:
-    """Return the effect."""
-    return LargeDeflection(
+    """Return the effect: a sum of two powers of the load."""
+    by_state: Kept[tuple[float, ...], tuple[FloatArray, FloatArray]] = Kept()
+
+    def strains(state: Mapping[str, float], load_factor: float, place: str, time: float) -> FloatArray:
+        square, cube = by_state.get(response.key(state), lambda: powers(response, state))
+        return np.asarray(load_factor**2 * square + load_factor**3 * cube)
+
+    return WingEffect(
         name="large_deflection",
         parameter="geometric nonlinearity, 1 is the theory of a lift that stays vertical",
         unit="-",
@@ -101,8 +73,7 @@ def effect(response: Response) -> WingEffect:
         ),
         seen_by=("deflection",),
         load_power=None,
-        response=response,
+        strains=strains,
         is_one_sided=True,
         signature_error=0.3,
-        powers=Powers(response),
     )

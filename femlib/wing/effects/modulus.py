@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from femlib.arrays import FloatArray
-from femlib.wing.effects.card import FixedForce, WingEffect
+from femlib.wing.effects.card import WingEffect, strains_of
 from femlib.wing.effects.response import Response
 
 
-class Modulus(FixedForce):
+class Modulus(WingEffect):
     """The effect, with its exact forward map."""
 
     __slots__ = ()
@@ -23,11 +23,7 @@ class Modulus(FixedForce):
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-    wing = response.wing
-
-    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return -0.01 * load_factor * wing.lift  # K / (1 + s) under the lift is K under lift / (1 + s)
-
+    force = -0.01 * response.wing.lift  # K / (1 + s) under the lift is K under lift / (1 + s)
     return Modulus(
         name="modulus",
         parameter="change of all moduli",
@@ -41,7 +37,6 @@ def effect(response: Response) -> WingEffect:
         says=("the wing is {size} stiffer than the twin", "the wing is {size} softer than the twin"),
         seen_by=("deflection", "frequency"),
         load_power=1,
-        response=response,
-        force=force,
+        strains=strains_of(response, "modulus", lambda place: force),
         signature_error=0.0,  # exact: strain goes with the modulus whatever the model
     )

@@ -1,11 +1,9 @@
 """Inertial relief: a mass in the wing that the model does not have pulls down with the load factor."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.wing.effects.card import FixedForce, WingEffect
+from femlib.wing.effects.card import WingEffect, strains_of
 from femlib.wing.effects.response import Response
 from femlib.wing.inertia import unit_weight
 
@@ -16,10 +14,10 @@ STATIONS = tuple(float(eta) for eta in np.linspace(0.3, 1.0, 15).round(2))
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
 
-    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return load_factor * unit_weight(response.wing, float(place.removeprefix("eta ")))
+    def force(place: str) -> FloatArray:
+        return unit_weight(response.wing, float(place.removeprefix("eta ")))
 
-    return FixedForce(
+    return WingEffect(
         name="payload_inertia",
         parameter="mass in the wing that the model does not have",
         unit="kg",
@@ -32,8 +30,7 @@ def effect(response: Response) -> WingEffect:
         says=("the wing holds {size} more than the twin there", "the wing holds {size} less than the twin there"),
         seen_by=("frequency",),
         load_power=1,
-        response=response,
-        force=force,
+        strains=strains_of(response, "payload_inertia", force),
         place_names=tuple(f"eta {eta:g}" for eta in STATIONS),
         n_between=2,
         is_one_sided=True,

@@ -7,10 +7,8 @@ Source: the geometry table of the public calibration data of Kapteyn, Pretorius 
 root chord 433.0, tip chord 260.0 mm).
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from functools import cache
-from typing import Any
 
 from femlib.arrays import FloatArray
 from femlib.geometry import Planform
@@ -22,25 +20,6 @@ from femlib.wing.planform import PLANFORM
 MANUFACTURED = Planform(span=1.828, root_chord=0.433, tip_chord=0.260, spar_fraction=PLANFORM.spar_fraction)
 
 
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class AsManufactured(WingEffect):
-    """The effect, from a wing of its own.
-
-    Attributes
-    ----------
-    built : callable
-        Returns how the manufactured wing answers.
-    """
-
-    built: Callable[[], Response]
-
-    def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
-    ) -> FloatArray:
-        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
-        return load_factor * (self.built().lift_strains(state) - self.response.lift_strains(state))
-
-
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
 
@@ -48,7 +27,10 @@ def effect(response: Response) -> WingEffect:
     def built() -> Response:
         return Response(manufactured_wing(response.wing))
 
-    return AsManufactured(
+    def strains(state: Mapping[str, float], load_factor: float, place: str, time: float) -> FloatArray:
+        return load_factor * (built().lift_strains(state) - response.lift_strains(state))
+
+    return WingEffect(
         name="planform",
         parameter="share of the way from the designed to the manufactured planform",
         unit="-",
@@ -63,8 +45,7 @@ def effect(response: Response) -> WingEffect:
         ),
         seen_by=("deflection", "frequency"),
         load_power=1,
-        response=response,
-        built=built,
+        strains=strains,
     )
 
 

@@ -7,7 +7,6 @@ can.
 """
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -21,24 +20,6 @@ ROUNDING = 1e-6
 """Strain [microstrain] that a rigid motion may leave by rounding."""
 
 
-class RootFlexibility(WingEffect):
-    """The effect, seen by deflection alone."""
-
-    __slots__ = ()
-
-    def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
-    ) -> FloatArray:
-        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size: none."""
-        wing = self.response.wing
-        strains = MICRO * (wing.strain_rows @ (self.turn(load_factor) * rolled(wing)))
-        return np.where(np.abs(strains) < ROUNDING, 0.0, strains)
-
-    def turn(self, load_factor: float) -> float:
-        """Return the turn of the root [rad] per unit of size."""
-        return 1e-3 * load_factor * root_moment(self.response.wing)
-
-
 def rolled(wing: Wing) -> FloatArray:
     """Return the displacements (n_dofs,) of the wing turned by one radian about the root's chord, tip up."""
     nodes = wing.structure.shells.mesh.nodes
@@ -48,14 +29,16 @@ def rolled(wing: Wing) -> FloatArray:
     return moved.ravel()
 
 
-def root_moment(wing: Wing) -> float:
-    """Return the lift's bending moment about the root's chord at load factor 1 [N m]."""
-    return float(wing.lift @ rolled(wing))
-
-
 def effect(response: Response) -> WingEffect:
-    """Return the effect."""
-    return RootFlexibility(
+    """Return the effect, seen by deflection alone."""
+    wing = response.wing
+
+    def strains(state: Mapping[str, float], load_factor: float, place: str, time: float) -> FloatArray:
+        turned = rolled(wing)
+        found = MICRO * (wing.strain_rows @ (1e-3 * load_factor * float(wing.lift @ turned) * turned))
+        return np.where(np.abs(found) < ROUNDING, 0.0, found)
+
+    return WingEffect(
         name="root_flexibility",
         parameter="turn of the mount per bending moment at the root",
         unit="rad/(kN m)",
@@ -67,6 +50,6 @@ def effect(response: Response) -> WingEffect:
         says=("the mount turns by {size}", "the mount turns by {size} the other way"),
         seen_by=("deflection", "frequency"),
         load_power=1,
-        response=response,
+        strains=strains,
         is_one_sided=True,
     )

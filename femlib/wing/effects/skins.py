@@ -1,9 +1,7 @@
 """The share of the inner forces that both skins carry, and effects that are a part of it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
@@ -58,34 +56,13 @@ class SkinForces:
         return {"": shells.stiffness(plain)} | own
 
 
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class SkinEffect(WingEffect):
-    """An effect whose force is that of the skins times `factor` and the load factor.
-
-    Attributes
-    ----------
-    skins : SkinForces
-        Of the same response, for all effects of this kind.
-    factor : float
-        Force per unit of size over that of the skins.
-    """
-
-    skins: SkinForces
-    factor: float
-
-    def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
-    ) -> FloatArray:
-        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
-        return self.factor * load_factor * self.skins.strains(state)
-
-
 def skin_thickness(response: Response) -> WingEffect:
     """Return the effect of faces of both skins thicker or thinner by one factor; web and ribs stay.
 
     First order: K_skin grows by size / 100, f = -0.01 K_skin(mu) u.
     """
-    return SkinEffect(
+    skins = SkinForces.of(response)
+    return WingEffect(
         name="skin_thickness",
         parameter="change of the thickness of the skins' faces",
         unit="%",
@@ -98,7 +75,5 @@ def skin_thickness(response: Response) -> WingEffect:
         says=("their faces are {size} thicker than in the twin", "their faces are {size} thinner than in the twin"),
         seen_by=("deflection", "frequency"),
         load_power=1,
-        response=response,
-        skins=SkinForces.of(response),
-        factor=-0.01,
+        strains=lambda state, load_factor, place, time: -0.01 * load_factor * skins.strains(state),
     )

@@ -14,9 +14,8 @@ Source: W. W. Hager, SIAM Review 31 (1989) 221-239, eq. 2 (Woodbury); R. J. Guya
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache
 from itertools import product
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sparse
@@ -62,39 +61,6 @@ class Joint:
         return np.asarray(self.strains[:, free] @ np.linalg.solve(self.hold[np.ix_(free, free)], self.tied[free]))
 
 
-class Web:
-    """The web of a wing; its joints with the skins are kept once they were asked for."""
-
-    def __init__(self, response: Response) -> None:
-        self._response = response
-
-    @cached_property
-    def joints(self) -> Mapping[str, Joint]:
-        """The joint with each skin, by flange."""
-        return joints(self._response)
-
-
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class SparSkinDebond(WingEffect):
-    """The effect, solved exactly from one set of solutions for all its places.
-
-    Attributes
-    ----------
-    web : Web
-        Of the same response.
-    """
-
-    web: Web
-
-    def signature(
-        self, twin: Any, state: Mapping[str, float], load_factor: float, place: str = "", time: float = 0.0
-    ) -> FloatArray:
-        """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size, of the healthy wing."""
-        flange, _, lengths = place.split()
-        inner, outer = (float(eta) for eta in lengths.split("-"))
-        return load_factor * self.web.joints[flange].opened(inner, outer)
-
-
 def joints(response: Response) -> dict[str, Joint]:
     """Return the joint of the web with each skin, by flange."""
     wing = response.wing
@@ -135,7 +101,17 @@ def effect(response: Response) -> WingEffect:
     """Return the effect."""
     lengths = [(c - 0.5 * w, c + 0.5 * w) for c, w in product(SPAN_CENTRES.tolist(), SPAN_WIDTHS)]
     inside = [(inner, outer) for inner, outer in lengths if inner > 0.0 and outer < 1.0]
-    return SparSkinDebond(
+
+    @cache  # one set of solutions for all places, made when one is first asked for
+    def of_web() -> dict[str, Joint]:
+        return joints(response)
+
+    def strains(state: Mapping[str, float], load_factor: float, place: str, time: float) -> FloatArray:
+        flange, _, length = place.split()
+        inner, outer = (float(eta) for eta in length.split("-"))
+        return load_factor * of_web()[flange].opened(inner, outer)
+
+    return WingEffect(
         name="spar_skin_debond",
         parameter="share of the shear between spar and skin that is lost over the length",
         unit="-",
@@ -150,11 +126,10 @@ def effect(response: Response) -> WingEffect:
             "the shear between them is larger by a share of {size}",
         ),
         load_power=1,
-        response=response,
+        strains=strains,
         place_names=tuple(f"{flange} eta {inner:.3f}-{outer:.3f}" for flange in FLANGES for inner, outer in inside),
         n_between=4,
         signature_error=0.4,
         is_one_sided=True,
         bounds=(0.0, 1.0),
-        web=Web(response),
     )
