@@ -8,8 +8,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.checked import fortran_number
-from femlib.errors import InputError
-from femlib.structure.file_mesh import FileMesh, masks
+from femlib.structure.file_mesh import FileMesh, assembled
 
 FARTHEST = 1e12
 """Coordinate in the file's unit, at most."""
@@ -91,29 +90,8 @@ def element_rows(rows: Sequence[Sequence[str]], width: int) -> Iterator[tuple[in
 
 def mesh_of(path: Path, part: Part, left_out: dict[str, int]) -> FileMesh:
     """Return the mesh of the whole, elements in blocks of a kind."""
-    place = {number: k for k, number in enumerate(part.nodes)}
-    kinds = list(dict.fromkeys(kind for kind, _ in part.elements.values() if kind))
-    for number, (_, nodes) in part.elements.items():
-        if any(node not in place for node in nodes):
-            raise InputError(
-                f"{path}: element {number} has the nodes {list(nodes)}, of which one is not in the deck; expected a "
-                "*NODE row of each; write the whole deck"
-            )
-    position: dict[int, int] = {}
-    blocks = []
-    for kind in kinds:
-        own = {number: nodes for number, (its, nodes) in part.elements.items() if its == kind}
-        position |= {number: len(position) + k for k, number in enumerate(own)}
-        rows = [[place[n] for n in nodes] for nodes in own.values()]
-        blocks.append((kind, np.array(rows, dtype=np.int64)))
-    elements = {}
-    for name, members in part.sets["ELSET"].items():
-        known = [position[n] for n in members if n in position]
-        if known or not members:
-            elements[name] = known
-    node_sets = {
-        name: np.array(list(dict.fromkeys(place[n] for n in own if n in place)), dtype=np.int64)
-        for name, own in part.sets["NSET"].items()
-    }
-    points = np.array(list(part.nodes.values()), dtype=np.float64).reshape(-1, 3)
-    return FileMesh(points, blocks, dict(masks(elements, len(position))), node_sets, left_out)
+    known = {number for number, (kind, _) in part.elements.items() if kind}
+    sets = {name: own for name, own in part.sets["ELSET"].items() if not own or not known.isdisjoint(own)}
+    found = assembled(path, part.nodes, part.elements, part.sets["NSET"], sets)
+    found.left_out = left_out
+    return found

@@ -1,15 +1,18 @@
 """What a mesh file holds, whatever its format: nodes, blocks of elements, sets, and what is left out of the mesh."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
-from femlib.errors import MeshError
+from femlib.errors import InputError, MeshError
 
 MOST_VALUES = 1000
 """An array of cells or points with more values than that numbers them and names no set."""
+CORNERS = {"quad8": 4, "quad9": 4, "triangle6": 3}
+"""Corners of an element that may lack some of its middles."""
 
 
 @dataclass(slots=True, eq=False)
@@ -43,6 +46,59 @@ class FileMesh:
     metres: float = 1.0
 
 
+def assembled(
+    path: Path,
+    nodes: Mapping[int, Sequence[float]],
+    elements: Mapping[int, tuple[str, Sequence[int]]],
+    node_sets: Mapping[str, Iterable[int]],
+    element_sets: Mapping[str, Iterable[int]],
+) -> FileMesh:
+    """Return the mesh of nodes and elements by number, in blocks of a kind, with sets of their numbers.
+
+    Parameters
+    ----------
+    path : Path
+        Of the file, for a message.
+    nodes : mapping
+        Places (3,) by number.
+    elements : mapping
+        Kind ("" for none that belongs to the mesh) and nodes by number; 0 is a middle that a quadratic element lacks,
+        and becomes its first corner.
+    node_sets, element_sets : mapping
+        Members by name; what is not in the mesh is left out.
+
+    Raises
+    ------
+    InputError
+        If an element names a node that is not there.
+    """
+    place = {number: k for k, number in enumerate(nodes)}
+    position: dict[int, int] = {}
+    blocks = []
+    for number, (kind, own) in elements.items():
+        n_corners = CORNERS.get(kind, len(own))
+        missing = [n for n in own if n and n not in place]
+        if missing or not all(own[:n_corners]):
+            raise InputError(
+                f"{path}: element {number} has the nodes {list(own)}, of which {missing or 'a corner'} is not in the "
+                "file; expected each of them once; write the whole file"
+            )
+    for kind in dict.fromkeys(kind for kind, _ in elements.values() if kind):
+        rows = {number: [place[n or own[0]] for n in own] for number, (its, own) in elements.items() if its == kind}
+        position |= {number: len(position) + k for k, number in enumerate(rows)}
+        blocks.append((kind, np.array(list(rows.values()), dtype=np.int64)))
+    masks = {}
+    for name, members in element_sets.items():
+        masks[name] = np.zeros(len(position), dtype=bool)
+        masks[name][[position[n] for n in members if n in position]] = True
+    alone = {
+        name: np.array(list(dict.fromkeys(place[n] for n in own if n in place)), dtype=np.int64)
+        for name, own in node_sets.items()
+    }
+    points = np.array(list(nodes.values()), dtype=np.float64).reshape(-1, 3)
+    return FileMesh(points, blocks, masks, alone)
+
+
 def value_sets(label: str, values: FloatArray | IntArray, told: dict[str, str]) -> dict[str, BoolArray]:
     """Return a set for each value of an array of whole numbers on cells or points, "label:value".
 
@@ -60,15 +116,6 @@ def value_sets(label: str, values: FloatArray | IntArray, told: dict[str, str]) 
             return {f"{label}:{int(value)}": values == value for value in kinds}
         told[label] = f"{len(kinds)} values, a numbering"
     return {}
-
-
-def masks(sets: Mapping[str, Iterable[int]], n: int) -> dict[str, BoolArray]:
-    """Return sets of positions as truth values (n,)."""
-    found = {}
-    for name, members in sets.items():
-        found[name] = np.zeros(n, dtype=bool)
-        found[name][np.fromiter(members, dtype=np.int64)] = True
-    return found
 
 
 def wrong_kind(name: str, n: int, kind: str) -> MeshError:

@@ -13,7 +13,7 @@ import numpy as np
 from femlib.arrays import FloatArray
 from femlib.checked import fortran_number, reason_of
 from femlib.errors import InputError
-from femlib.structure.file_mesh import FileMesh, masks, wrong_kind
+from femlib.structure.file_mesh import FileMesh, assembled, wrong_kind
 from femlib.structure.nastran_cards import Card, cards_of
 
 SHELLS = {
@@ -237,30 +237,16 @@ class Bulk:
 
     def mesh(self, names: dict[int, str]) -> FileMesh:
         """Return the mesh, elements in blocks of a kind, a set for each property."""
-        place = {number: k for k, number in enumerate(self.grids)}
-        blocks, properties = [], []
-        for kind in dict.fromkeys(kind for kind, _, _ in self.elements.values()):
-            own = [(number, nodes, ref) for number, (its, nodes, ref) in self.elements.items() if its == kind]
-            blocks.append((kind, np.array([self._positions(*row[:2], place) for row in own], dtype=np.int64)))
-            properties += [ref for _, _, ref in own]
         sets: dict[str, list[int]] = {}
-        for position, ref in enumerate(properties):
+        for number, (_, _, ref) in self.elements.items():
             for name in (f"property:{ref}", names.get(ref, "")) if ref else ():
                 if name:
-                    sets.setdefault(name, []).append(position)
-        nodes = {name: np.array([place[n] for n in own if n in place]) for name, own in self.node_sets.items()}
-        return FileMesh(self._points(), blocks, dict(masks(sets, len(properties))), nodes, self.left_out)
-
-    def _positions(self, number: int, nodes: Sequence[int], place: dict[int, int]) -> list[int]:
-        """Return the positions of an element's nodes; a middle that a quadratic one lacks is its first corner."""
-        n_corners = {6: 3, 8: 4, 9: 4}.get(len(nodes), len(nodes))
-        missing = [n for n in nodes if n and n not in place]
-        if missing or not all(nodes[:n_corners]):
-            raise InputError(
-                f"{self.path}: element {number} has the nodes {list(nodes)}, of which {missing or 'a corner'} is not "
-                "in the file; expected a GRID of each; write the whole file"
-            )
-        return [place[n or nodes[0]] for n in nodes]
+                    sets.setdefault(name, []).append(number)
+        nodes = dict(zip(self.grids, self._points().tolist(), strict=True))
+        elements = {number: own[:2] for number, own in self.elements.items()}
+        found = assembled(self.path, nodes, elements, self.node_sets, sets)
+        found.left_out = self.left_out
+        return found
 
     def _points(self) -> FloatArray:
         """Return the nodes (n, 3) in global axes."""

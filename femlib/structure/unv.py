@@ -7,13 +7,10 @@ Datasets stand between lines of -1. Read are the unit of length (164), nodes (78
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import numpy as np
-
-from femlib.arrays import IntArray
 from femlib.checked import fortran_number
 from femlib.errors import InputError
 from femlib.files import read_bytes
-from femlib.structure.file_mesh import FileMesh, masks, wrong_kind
+from femlib.structure.file_mesh import FileMesh, assembled, wrong_kind
 
 NODES, ELEMENTS, GROUPS, OLD_ELEMENTS = ("781", "2411"), ("2412",), ("2435", "2452", "2467", "2477"), ("71", "780")
 UNITS = "164"
@@ -69,36 +66,15 @@ def read_universal(path: Path) -> FileMesh:
             raise InputError(f"{path} has elements in dataset {dataset}; expected 2412; write it by a newer I-DEAS")
         if dataset in SETS_LEFT_OUT:
             left_out[SETS_LEFT_OUT[dataset]] = left_out.get(SETS_LEFT_OUT[dataset], 0) + 1
-    odd = next(((kind, n) for kind, n in _counts(elements) if kind not in set(KINDS.values())), None)
-    if odd is not None:
-        raise wrong_kind(str(path), odd[1], odd[0])
-    place = {number: k for k, number in enumerate(nodes)}
-    numbers, blocks = list[int](), list[tuple[str, IntArray]]()
-    for kind, _ in _counts(elements):
-        own = [number for number, (its, _) in elements.items() if its == kind]
-        missing = next(((k, n) for k in own for n in elements[k][1] if n not in place), None)
-        if missing is not None:
-            raise InputError(
-                f"{path}: element {missing[0]} has the node {missing[1]}, which the file lacks; write both"
-            )
-        blocks.append((kind, np.array([[place[n] for n in elements[k][1]] for k in own], dtype=np.int64)))
-        numbers += own
-    at = {number: k for k, number in enumerate(numbers)}
-    members = {name: [at[n] for what, n in own if what == ELEMENT and n in at] for name, own in groups.items()}
-    alone = {name: [place[n] for what, n in own if what == NODE and n in place] for name, own in groups.items()}
-    return FileMesh(
-        np.array(list(nodes.values()), dtype=np.float64).reshape(-1, 3),
-        blocks,
-        dict(masks({name: own for name, own in members.items() if own}, len(numbers))),
-        {name: np.array(own, dtype=np.int64) for name, own in alone.items() if own and not members[name]},
-        left_out,
-        metres=1.0 / per_metre,
-    )
-
-
-def _counts(elements: dict[int, tuple[str, list[int]]]) -> list[tuple[str, int]]:
-    kinds = [kind for kind, _ in elements.values()]
-    return [(kind, kinds.count(kind)) for kind in dict.fromkeys(kinds)]
+    odd = [kind for kind, _ in elements.values() if kind not in WIDTHS]
+    if odd:
+        raise wrong_kind(str(path), odd.count(odd[0]), odd[0])
+    members = {name: [n for what, n in own if what == ELEMENT and n in elements] for name, own in groups.items()}
+    alone = {name: [n for what, n in own if what == NODE and n in nodes] for name, own in groups.items()}
+    alone = {name: own for name, own in alone.items() if own and not members[name]}
+    found = assembled(path, nodes, elements, alone, {name: own for name, own in members.items() if own})
+    found.left_out, found.metres = left_out, 1.0 / per_metre
+    return found
 
 
 def _datasets(path: Path) -> Iterator[tuple[str, int, list[str]]]:
