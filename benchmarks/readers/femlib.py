@@ -25,6 +25,7 @@ from femlib.dataset import (
     study_states_percent,
 )
 from femlib.errors import FemlibError
+from femlib.export.calculix import read_elements
 from femlib.rom import ReducedModel
 from femlib.rom.bound import LEVELS, ErrorBound
 from femlib.wing import Wing, uav_wing
@@ -139,8 +140,7 @@ def make_result(number: int, folder: Path) -> None:
     """Write a result as CalculiX prints it: the strains of every element that a gauge reads."""
     out = io.StringIO()
     out.write(" strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz) for set GAUGES and time  1.0\n\n")
-    read = sorted({element for weights in calculix._gauge_elements(_wing()) for element in weights})
-    for element in read:
+    for element in read_elements(_wing().structure.shells.mesh, _wing().strain_gauges):
         for point in range(1, 9):
             out.write(f" {element + 1} {point} 0. {-1e-3 * (point > 4):.6E} 0. 0. 0. 0. S\n")
     (folder / "wing.dat").write_text(out.getvalue())

@@ -1,6 +1,6 @@
-"""Any shells as a CalculiX deck: quadratic shells (S8R, S6) on the same corners, or the same linear ones (S4, S3).
+"""Any shells as a CalculiX deck: quadratic shells (S8R, S6) on the same corners.
 
-Quadratic shells have nodes added at the edges' middles, so that the deck is another discretisation, not the same
+They have nodes added at the edges' middles, so that the deck is another discretisation, not the same
 elements again. A middle is held where both ends of its edge are; nodal loads stay at the corners. Laminates go out as
 their plies (`Laminate.plies`): an isotropic ply by modulus and Poisson's ratio, an orthotropic one with an orientation
 of its own for each direction that its elements have; what the plies leave open is E_3 = E_2, nu_13 = nu_23 = nu_12.
@@ -22,13 +22,14 @@ from femlib.assembly import Shells, Supports, buckling_modes
 from femlib.errors import InputError, frozen_floats, frozen_ints, is_number, is_whole
 from femlib.export.calculix_sections import sections
 from femlib.files import whole_file
-from femlib.mesh import DOFS_PER_NODE, Mesh
+from femlib.mesh import DOFS_PER_NODE, Mesh, shell_sides
+from femlib.sensors import StrainGauge, element_weights
 
 Analysis = Literal["linear", "large deflection", "frequencies", "buckling"]
 OBLIQUE = 0.87
 """Cosine beyond which an axis counts as the normal."""
-KINDS = {True: ("S8R", "S6"), False: ("S4", "S3")}
-"""CalculiX's names of quadrilaterals and triangles, quadratic or not."""
+KINDS = ("S8R", "S6")
+"""CalculiX's names of quadratic quadrilaterals and triangles."""
 ANY = 1e9
 """Estimated error of the factor that scales a load, at most: half or twice the load would do."""
 BELOW = 0.9
@@ -49,8 +50,6 @@ class Deck:
         What is held.
     load : FloatArray
         Nodal forces and moments (n_dofs,) [N, N m].
-    is_quadratic : bool
-        S8R and S6 with nodes at the edges' middles, else S4 and S3.
     factor : FloatArray, optional
         Factor on each element's stiffness (n_elements,) besides that of the shells, for damage.
     temperature : tuple of float
@@ -62,44 +61,31 @@ class Deck:
     n_modes : int
         Frequencies or buckling factors wanted.
     printed : IntArray, optional
-        Elements whose strains at the integration points are printed.
-    middles : FloatArray, optional
-        Places of the edges' middles (n_edges, 3) [m] in the order of `edges`; between the ends if not given.
-    middle_load : FloatArray, optional
-        Forces and moments there (n_edges, 6) [N, N m].
+        Elements whose strains at the integration points are printed, in global axes.
 
     Raises
     ------
     InputError
-        If an array has the wrong shape, the analysis has no such name, nodes are given to edges that have none, or
-        quadratic shells that shall buckle are one element wide: CalculiX has factors near 1 there that are no answer.
+        If an array has the wrong shape, the analysis has no such name, or shells that shall buckle are one element
+        wide: CalculiX has factors near 1 there that are no answer.
     """
 
     shells: Shells
     supports: Supports
     load: FloatArray
-    is_quadratic: bool = True
     factor: FloatArray | None = None
     temperature: tuple[float, float] = (0.0, 0.0)
     expansion_factor: FloatArray | None = None
     analysis: Analysis = "linear"
     n_modes: int = 4
     printed: IntArray | None = None
-    middles: FloatArray | None = None
-    middle_load: FloatArray | None = None
 
     def __post_init__(self) -> None:
         mesh = self.shells.mesh
-        n, n_edges = mesh.n_elements, len(edges(mesh)[0])
         object.__setattr__(self, "load", frozen_floats(self.load, "load", (mesh.n_dofs,)))
-        for name, shape in (
-            ("factor", (n,)),
-            ("expansion_factor", (n,)),
-            ("middles", (n_edges, 3)),
-            ("middle_load", (n_edges, DOFS_PER_NODE)),
-        ):
+        for name in ("factor", "expansion_factor"):
             if getattr(self, name) is not None:
-                object.__setattr__(self, name, frozen_floats(getattr(self, name), name, shape))
+                object.__setattr__(self, name, frozen_floats(getattr(self, name), name, (mesh.n_elements,)))
         self._check()
 
     def _check(self) -> None:
@@ -112,8 +98,6 @@ class Deck:
             )
         if not is_whole(self.n_modes) or self.n_modes < 1:
             raise InputError(f"n_modes is {self.n_modes!r}; expected a whole number from 1; correct it")
-        if not self.is_quadratic and (self.middles is not None or self.middle_load is not None):
-            raise InputError("middles are given to linear shells; expected none; make the deck quadratic")
         if len(self.temperature) != 2 or not all(is_number(value) for value in self.temperature):
             raise InputError(f"temperature is {self.temperature!r}; expected [K] and [K/m]; give two numbers")
         if self.printed is not None:
@@ -133,28 +117,24 @@ class Deck:
                 f"a buckling deck has {n_others} beams and springs; expected shells alone, whose lowest factor "
                 "scales the load, as CalculiX leaves out what lies far below it; make the beams of shells"
             )
-        if self.is_quadratic:
-            _check_wide(self.shells.mesh)
+        _check_wide(self.shells.mesh)
 
     def lines(self) -> list[str]:
         """Return the deck line by line."""
         shells, n = self.shells, self.shells.mesh.n_elements
         factor = shells.scale if self.factor is None else shells.scale * self.factor
         warm = np.ones(n) if self.expansion_factor is None else self.expansion_factor
-        return [*self._geometry(), *sections(shells, factor, warm, self.is_quadratic), *self._step()]
+        return [*self._geometry(), *sections(shells, factor, warm), *self._step()]
 
     def _geometry(self) -> list[str]:
         mesh = self.shells.mesh
         ends, quads, trias = edges(mesh)
-        extra = mesh.nodes[ends].mean(axis=1) if self.middles is None else self.middles
-        nodes = np.concatenate([mesh.nodes, extra]) if self.is_quadratic else mesh.nodes
+        nodes = np.concatenate([mesh.nodes, mesh.nodes[ends].mean(axis=1)])
         lines = ["** femlib; SI units (N, m, kg, K)", "*NODE, NSET=ALL"]
         lines += [f"{k + 1}, {x:.11e}, {y:.11e}, {z:.11e}" for k, (x, y, z) in enumerate(nodes)]
         first = 1
-        for kind, corners, middle in zip(
-            KINDS[self.is_quadratic], (mesh.quads, mesh.trias), (quads, trias), strict=True
-        ):
-            joined = np.concatenate([corners, len(mesh.nodes) + middle], axis=1) if self.is_quadratic else corners
+        for kind, corners, middle in zip(KINDS, (mesh.quads, mesh.trias), (quads, trias), strict=True):
+            joined = np.concatenate([corners, len(mesh.nodes) + middle], axis=1)
             lines += _rows(f"*ELEMENT, TYPE={kind}", first, joined + 1)
             first += len(joined)
         lines += [*_listed("*NSET, NSET=CORNERS", np.arange(len(mesh.nodes))), *self._held(ends)]
@@ -164,19 +144,14 @@ class Deck:
         held = np.ones(self.supports.n_dofs, dtype=bool)
         held[self.supports.free] = False
         at_nodes, normals = held.reshape(-1, DOFS_PER_NODE), _normals(self.shells.mesh)
-        if self.is_quadratic:
-            at_nodes = np.concatenate([at_nodes, at_nodes[ends].all(axis=1)])
-            normals = np.concatenate([normals, normals[ends].sum(axis=1)])
+        at_nodes = np.concatenate([at_nodes, at_nodes[ends].all(axis=1)])
+        normals = np.concatenate([normals, normals[ends].sum(axis=1)])
         at_nodes = np.column_stack([at_nodes[:, :3], _without_drilling(at_nodes[:, 3:], normals)])
         return ["*BOUNDARY", *(f"{node + 1}, {axis + 1}, {axis + 1}" for node, axis in np.argwhere(at_nodes))]
 
     def _buckling_scale(self) -> float:
         """Return the factor on the load that brings it to `BELOW` of the lowest buckling load of the same shells."""
-        force = self.load.reshape(-1, DOFS_PER_NODE).copy()
-        if self.middle_load is not None:
-            for end in edges(self.shells.mesh)[0].T:
-                np.add.at(force, end, self.middle_load / 2.0)
-        modes = buckling_modes(self.shells, self.supports, force.ravel(), 1, self.factor, limit=ANY, is_refined=False)
+        modes = buckling_modes(self.shells, self.supports, self.load, 1, self.factor, limit=ANY, is_refined=False)
         if not modes:
             raise InputError(
                 "the load of a buckling deck buckles nothing at any factor; expected one that pushes; turn it"
@@ -194,20 +169,18 @@ class Deck:
             lines.append("1., 1.")  # the whole load at once: CalculiX halves it by itself where it must
         lines += ["*TEMPERATURE", "ALL, {}, {}".format(*self.temperature)] if is_warm else []
         forces = self.load.reshape(-1, DOFS_PER_NODE)
-        if self.middle_load is not None:
-            forces = np.concatenate([forces, self.middle_load])
         if self.analysis == "buckling":
             scale = float(f"{self._buckling_scale():.9e}")
             forces = scale * forces
             lines.append(f"{SCALED} {scale:.9e}")
         lines.append("*CLOAD")
         lines += [f"{n + 1}, {axis + 1}, {forces[n, axis]:.9e}" for n, axis in np.argwhere(forces != 0.0)]
-        printed = [] if self.printed is None else ["*EL PRINT, ELSET=PRINTED", "E"]
+        printed = [] if self.printed is None else ["*EL PRINT, ELSET=PRINTED, GLOBAL=YES", "E"]
         return [*lines, *printed, "*NODE FILE, OUTPUT=2D", "U", "*END STEP"]
 
 
-def write_deck(deck: Deck, path: str | Path) -> None:
-    """Write a deck, whole or not at all.
+def write_deck(deck: Deck, path: str | Path, others: Sequence[str] = ()) -> None:
+    """Write a deck, whole or not at all, with the lines `others` before its step.
 
     Raises
     ------
@@ -218,14 +191,20 @@ def write_deck(deck: Deck, path: str | Path) -> None:
     if target.suffix != ".inp":
         raise InputError(f"deck path {target} ends in {target.suffix!r}; expected .inp; rename it")
     lines = deck.lines()
+    first = next(k for k, line in enumerate(lines) if line.startswith(("*INITIAL", "*STEP")))
+    lines[first:first] = others
     with whole_file(target) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="ascii")
 
 
+def read_elements(mesh: Mesh, gauges: Sequence[StrainGauge]) -> IntArray:
+    """Return the elements (n,) whose centre strains gauges average: those to print."""
+    return np.array(sorted({element for weights in element_weights(mesh, gauges) for element in weights}))
+
+
 def edges(mesh: Mesh) -> tuple[IntArray, IntArray, IntArray]:
     """Return the ends of all edges (n_edges, 2) and the edges of each element, (n_quads, 4) and (n_trias, 3)."""
-    sides = [np.stack([c, np.roll(c, -1, axis=1)], axis=-1).reshape(-1, 2) for c in (mesh.quads, mesh.trias)]
-    ends, place = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0, return_inverse=True)
+    ends, place = np.unique(np.sort(shell_sides(mesh.quads, mesh.trias)[0], axis=1), axis=0, return_inverse=True)
     split = mesh.quads.size
     return ends, place.ravel()[:split].reshape(-1, 4), place.ravel()[split:].reshape(-1, 3)
 

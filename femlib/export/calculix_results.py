@@ -1,5 +1,6 @@
 """What CalculiX found: displacements from its .frd file; strains, frequencies, buckling factors from its .dat file."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +10,16 @@ from femlib.checked import fortran_number, shown
 from femlib.errors import InputError
 from femlib.export.calculix import BELOW, SCALED
 from femlib.files import read_bytes
+from femlib.mesh import Mesh
+from femlib.sensors import StrainGauge, element_weights
 
 START, WIDTH = 13, 12
 """Columns of a row of displacements: 3 of a mark, 10 of the node, then numbers 12 wide."""
 APART = 0.25
 """Share by which the lowest buckling factor may differ from femlib's own: a coarse mesh may, another mode does more."""
+LAYERS = {8: (4, np.sqrt(1.0 / 3.0)), 9: (3, np.sqrt(0.6))}
+"""By the number of integration points, 8 of S8R and 9 of S6: points a layer, the lowest first, and the height of the
+outer layers over half the thickness."""
 LARGEST = 1e3
 """Strain that is believed, at most."""
 MOST_DIGITS = 9
@@ -78,6 +84,41 @@ def element_points(path: str | Path) -> dict[int, list[list[float]]]:
             except ValueError as error:
                 raise InputError(f"{path}, line {number}: {error}; expected six strains; run the deck again") from error
     return found
+
+
+def gauge_strains(path: str | Path, mesh: Mesh, gauges: Sequence[StrainGauge]) -> FloatArray:
+    """Return the strains (n_gauges,) of gauges on isotropic shells, tension positive, in the last increment (.dat).
+
+    Raises
+    ------
+    InputError
+        If the file is missing or lacks an element that a gauge reads.
+    """
+    points, strains = element_points(path), []
+    for gauge, weights in zip(gauges, element_weights(mesh, gauges), strict=True):
+        total = 0.0
+        for element, weight in weights.items():
+            n_points = 8 if element < len(mesh.quads) else 9
+            if len(points.get(element, ())) != n_points:
+                raise InputError(
+                    f"{path} has {len(points.get(element, ()))} strains of element {element + 1}, which gauge "
+                    f"{gauge.name} reads; expected {n_points}; run the deck of these gauges"
+                )
+            normal = mesh.area_vectors()[element]
+            along = gauge.direction - normal * (gauge.direction @ normal) / (normal @ normal)
+            along = along / np.linalg.norm(along)
+            values = np.einsum("i,pij,j->p", along, _tensors(np.array(points[element])), along)
+            n_layer, height = LAYERS[n_points]
+            low, high = values[:n_layer].mean(), values[-n_layer:].mean()
+            total += weight * float((low + high) / 2.0 + gauge.side / height * (high - low) / 2.0)
+        strains.append(total)
+    return np.array(strains)
+
+
+def _tensors(rows: FloatArray) -> FloatArray:
+    """Return strains (n, 3, 3) of rows (xx, yy, zz, xy, xz, yz)."""
+    xx, yy, zz, xy, xz, yz = rows.T
+    return np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), 2, 0)
 
 
 def _strain(word: str) -> float:

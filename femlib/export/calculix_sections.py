@@ -13,7 +13,7 @@ TURNED = 6
 """Decimals of a direction by which orientations differ."""
 
 
-def sections(shells: Shells, factor: FloatArray, warm: FloatArray, is_quadratic: bool) -> list[str]:
+def sections(shells: Shells, factor: FloatArray, warm: FloatArray) -> list[str]:
     """Return materials, orientations and sections, one for each laminate, factor and direction that occurs.
 
     Parameters
@@ -22,16 +22,14 @@ def sections(shells: Shells, factor: FloatArray, warm: FloatArray, is_quadratic:
         The shells; their own factor on the stiffness is not used.
     factor, warm : FloatArray
         Factors on the moduli and on the thermal expansion (n_elements,).
-    is_quadratic : bool
-        Whether stacks of several plies are possible: CalculiX has them for S8R and S6 alone.
 
     Raises
     ------
     InputError
-        If a laminate has no plies, or others than its stiffness, or several in a deck of linear shells.
+        If a laminate has no plies, or others than its stiffness.
     """
     for number in np.unique(shells.section).tolist():
-        _check(shells.laminates[number], number, is_quadratic)
+        _check(shells.laminates[number], number)
     directed = ~np.array([_is_isotropic(own.plies) for own in shells.laminates])[shells.section]
     along = np.where(directed[:, None, None], np.round(_directions(shells), TURNED), 0.0).reshape(-1, 6)
     columns = np.column_stack([shells.section, np.round(factor, 9), warm, along + 0.0])
@@ -114,7 +112,7 @@ def _is_isotropic(plies: tuple[Ply, ...]) -> bool:
     )
 
 
-def _check(own: Laminate, number: int, is_quadratic: bool) -> None:
+def _check(own: Laminate, number: int) -> None:
     if not own.plies:
         raise InputError(
             f"laminate {number} has no plies; expected them, as CalculiX asks for materials; make it with "
@@ -128,11 +126,6 @@ def _check(own: Laminate, number: int, is_quadratic: bool) -> None:
                 f"laminate {number} has another {name} stiffness than its plies; expected the same; make it with "
                 "femlib.material.laminate, or give a factor on the elements"
             )
-    if len(own.plies) > 1 and not is_quadratic:
-        raise InputError(
-            f"laminate {number} has {len(own.plies)} plies; expected 1 in linear shells, as CalculiX stacks plies in "
-            "S8R and S6 alone; make the deck quadratic"
-        )
     for k, ply in enumerate(own.plies):
         if not _is_isotropic((ply,)) and not np.linalg.eigvalsh(_compliance(ply))[0] > 0.0:
             raise InputError(

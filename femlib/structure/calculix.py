@@ -16,14 +16,10 @@ from femlib.arrays import FloatArray, IntArray
 from femlib.errors import InputError
 from femlib.export import calculix
 from femlib.export.calculix import Analysis, Deck
-from femlib.export.calculix_results import element_points
-from femlib.files import whole_file
-from femlib.sensors import StrainGauge, element_weights
+from femlib.export.calculix_results import gauge_strains
+from femlib.sensors import StrainGauge
 from femlib.structure.model import MICRO, Structure
 
-LAYERS = {8: (4, np.sqrt(1.0 / 3.0)), 9: (3, np.sqrt(0.6))}
-"""By the number of integration points, 8 of S8R and 9 of S6: points a layer, the lowest first, and the height of the
-outer layers over half the thickness."""
 OWN_NAMES = re.compile(r"ALL|CORNERS|PRINTED|(E|BEAM|MASS|SPRING)\d+", re.IGNORECASE)
 """Names of the deck's own sets."""
 SET_NAME = re.compile(r"[A-Za-z][!#-)+\-./0-9:;<>-~]{0,79}")
@@ -47,9 +43,6 @@ def write_deck(
         If state or load is bad, a beam is no rectangle on its nodes' line, a spring joins two nodes, stacked plies
         stand beside other parts, or the file cannot be written.
     """
-    target = Path(path)
-    if target.suffix != ".inp":
-        raise InputError(f"deck path {target} ends in {target.suffix!r}; expected .inp; rename it")
     built, factor = structure.built, structure.stiffness_left(state)
     _check_stacks(structure)
     deck = Deck(
@@ -59,15 +52,9 @@ def write_deck(
         factor=factor[: built.mesh.n_elements],
         analysis=analysis,
         n_modes=n_modes,
-        printed=np.array(sorted({e for own in weights_of(structure, gauges) for e in own})) if gauges else None,
+        printed=calculix.read_elements(built.mesh, [structure.on_patches(g) for g in gauges]) if gauges else None,
     )
-    lines = deck.lines()
-    first = next(k for k, line in enumerate(lines) if line.startswith(("*INITIAL", "*STEP")))
-    lines[first:first] = [*_others(structure, factor), *_sets(structure)]
-    # without it strains are in axes of each shell's own
-    lines = [line + ", GLOBAL=YES" if line.startswith("*EL PRINT") else line for line in lines]
-    with whole_file(target) as temporary:
-        temporary.write_text("\n".join(lines) + "\n", encoding="ascii")
+    calculix.write_deck(deck, path, [*_others(structure, factor), *_sets(structure)])
 
 
 def _check_stacks(structure: Structure) -> None:
@@ -84,11 +71,6 @@ def _check_stacks(structure: Structure) -> None:
         )
 
 
-def weights_of(structure: Structure, gauges: Sequence[StrainGauge]) -> list[dict[int, float]]:
-    """Return for each gauge the elements whose centre strains it averages, and their weights."""
-    return element_weights(structure.built.mesh, [structure.on_patches(gauge) for gauge in gauges])
-
-
 def read_gauges(structure: Structure, path: str | Path, gauges: Sequence[StrainGauge]) -> FloatArray:
     """Return the gauge strains (n_gauges,) [microstrain, tension positive] of a deck's result (.dat).
 
@@ -97,32 +79,7 @@ def read_gauges(structure: Structure, path: str | Path, gauges: Sequence[StrainG
     InputError
         If the file is missing or lacks an element that a gauge reads.
     """
-    points = element_points(path)
-    mesh, strains = structure.built.mesh, []
-    for gauge, weights in zip(gauges, weights_of(structure, gauges), strict=True):
-        total = 0.0
-        for element, weight in weights.items():
-            n_points = 8 if element < len(mesh.quads) else 9
-            if len(points.get(element, ())) != n_points:
-                raise InputError(
-                    f"{path} has {len(points.get(element, ()))} strains of element {element + 1}, which gauge "
-                    f"{gauge.name} reads; expected {n_points}; run the deck of these gauges"
-                )
-            normal = mesh.area_vectors()[element]
-            along = gauge.direction - normal * (gauge.direction @ normal) / (normal @ normal)
-            along = along / np.linalg.norm(along)
-            values = np.einsum("i,pij,j->p", along, tensors(np.array(points[element])), along)
-            n_layer, height = LAYERS[n_points]
-            low, high = values[:n_layer].mean(), values[-n_layer:].mean()
-            total += weight * float((low + high) / 2.0 + gauge.side / height * (high - low) / 2.0)
-        strains.append(total)
-    return MICRO * np.array(strains)
-
-
-def tensors(rows: FloatArray) -> FloatArray:
-    """Return strains (n, 3, 3) of rows (xx, yy, zz, xy, xz, yz)."""
-    xx, yy, zz, xy, xz, yz = rows.T
-    return np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), 2, 0)
+    return MICRO * gauge_strains(path, structure.built.mesh, [structure.on_patches(gauge) for gauge in gauges])
 
 
 def _sets(structure: Structure) -> list[str]:

@@ -58,10 +58,9 @@ def test_calculix_bends_the_same_strip(section: Laminate, close: float, tmp_path
 
 
 @needs_calculix
-@pytest.mark.parametrize("is_quadratic", [True, False])
-def test_calculix_has_the_roof_that_symmetry_holds(is_quadratic: bool, tmp_path: Path) -> None:
+def test_calculix_has_the_roof_that_symmetry_holds(tmp_path: Path) -> None:
     roof = scordelis_lo_roof(16)
-    run(Deck(roof.shells, roof.supports, roof.load, is_quadratic), tmp_path)
+    run(Deck(roof.shells, roof.supports, roof.load), tmp_path)
     moved = np.zeros((len(roof.shells.mesh.nodes), DOFS_PER_NODE))
     moved[:, :3] = read_displacements(tmp_path / "a.frd", len(moved))
     assert roof.ratio(moved.ravel()) == pytest.approx(1.0, abs=0.01)
@@ -80,13 +79,8 @@ WRONG = [
     (lambda d: replace(d, n_modes=0), "n_modes is 0; expected a whole number from 1"),
     (lambda d: replace(d, load=np.zeros(3)), r"load has shape \(3,\)"),
     (lambda d: replace(d, factor=np.ones(3)), r"factor has shape \(3,\)"),
-    (lambda d: replace(d, is_quadratic=False, middles=np.zeros((59, 3))), "middles are given to linear shells"),
     (lambda d: replace(d, supports=cantilever(PLATE, 4).supports), "supports have 120 degrees of freedom; expected"),
     (lambda d: replace(d, temperature=(1.0, np.nan)), "temperature is .*; expected .K. and .K/m."),
-    (
-        lambda d: replace(cantilever(CROSSED), is_quadratic=False).lines(),
-        "laminate 0 has 3 plies; expected 1 in linear",
-    ),
     (lambda d: cantilever(replace(PLATE, plies=())).lines(), "laminate 0 has no plies; expected them"),
     (
         lambda d: cantilever(replace(PLATE, bending=2 * PLATE.bending)).lines(),

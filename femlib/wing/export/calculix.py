@@ -1,8 +1,7 @@
 """The wing as a CalculiX deck: any state, load factor, temperature, with or without large deflection.
 
 The shells go out by `femlib.export.calculix` as quadratic ones. The deck prints the strains at the integration points
-of the elements that the gauges read; two points through the thickness lie at +-t / (2 sqrt 3), which is +-1.10 mm for
-the skin: the height of the carbon face that a gauge reads.
+of the elements that the gauges read.
 """
 
 from collections.abc import Mapping
@@ -10,16 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from femlib import sensors
 from femlib.arrays import FloatArray
 from femlib.errors import InputError, frozen_floats
 from femlib.export import calculix
 from femlib.export.calculix import Deck
-from femlib.export.calculix_results import element_points
+from femlib.export.calculix_results import gauge_strains
 from femlib.wing.model import MICRO, Wing
-
-N_POINTS = 8
-"""Integration points of a quadratic shell."""
 
 
 def write_deck(
@@ -69,7 +64,7 @@ def write_deck(
         temperature=temperature,
         expansion_factor=expansion,
         analysis="large deflection" if large_deflection else "linear",
-        printed=np.array(sorted({element for weights in _gauge_elements(wing) for element in weights})),
+        printed=calculix.read_elements(wing.structure.shells.mesh, wing.strain_gauges),
     )
     calculix.write_deck(deck, path)
 
@@ -82,24 +77,7 @@ def read_gauges(wing: Wing, path: str | Path) -> FloatArray:
     InputError
         If the file is missing or lacks an element that a gauge reads.
     """
-    points, strains = element_points(path), []
-    for name, weights in zip(wing.gauges.names, _gauge_elements(wing), strict=True):
-        total = 0.0
-        for element, weight in weights.items():
-            if len(points.get(element, ())) != N_POINTS:
-                raise InputError(
-                    f"{path} has {len(points.get(element, ()))} strains of element {element + 1}, which gauge {name} "
-                    f"reads; expected {N_POINTS}; run the deck"
-                )
-            # points 1 to 4 lie in the lower half, 5 to 8 in the upper, along the gauge the second strain of each
-            total += weight * float(np.mean([point[1] for point in points[element][4:]]))
-        strains.append(total)
-    return -MICRO * np.array(strains)
-
-
-def _gauge_elements(wing: Wing) -> list[dict[int, float]]:
-    mesh = wing.structure.shells.mesh
-    return sensors.element_weights(mesh, wing.gauges.strain_gauges(("top",), 1.0))
+    return -MICRO * gauge_strains(path, wing.structure.shells.mesh, wing.strain_gauges)
 
 
 def _temperature(wing: Wing, warming: float | FloatArray, gradient: float) -> tuple[FloatArray, tuple[float, float]]:
