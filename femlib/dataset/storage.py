@@ -6,7 +6,7 @@ so that a data file that was changed or cut off is refused.
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,23 +15,23 @@ from femlib.dataset.parquet import pyarrow_modules
 from femlib.errors import InputError
 from femlib.files import parsed_object, read_bytes, regular_file, whole_file
 
+VERSION = "stream 1"
 PIECE_BYTES = 2**16
 """Bytes of a file that are hashed at once."""
 
 
-def checked_target(path: str | Path, endings: Sequence[str]) -> Path:
-    """Return a path with one of the endings that is no folder.
+def checked_target(path: str | Path) -> Path:
+    """Return a path of a Parquet file that is no folder.
 
     Raises
     ------
     InputError
-        If the ending is another, the path is a folder, or it is Parquet and pyarrow is not installed.
+        If the ending is another, the path is a folder, or pyarrow is not installed.
     """
     target = Path(path)
-    if target.suffix not in endings:
-        raise InputError(f"dataset path {target} ends in {target.suffix!r}; expected {' or '.join(endings)}; rename it")
-    if target.suffix == ".parquet":
-        pyarrow_modules()
+    if target.suffix != ".parquet":
+        raise InputError(f"dataset path {target} ends in {target.suffix!r}; expected .parquet; rename it")
+    pyarrow_modules()
     if target.is_dir():
         raise InputError(f"dataset path {target} is a folder; expected a file; add a name to it")
     return target
@@ -57,15 +57,8 @@ def file_sha256(path: Path) -> str:
         return digest.hexdigest()
 
 
-def read_side(target: Path, version: int | str) -> dict[str, Any]:
+def read_side(target: Path) -> dict[str, Any]:
     """Return the side file of a data file, after checking that it is the one that it describes.
-
-    Parameters
-    ----------
-    target : Path
-        The data file.
-    version : int or str
-        What its entry `version` must be.
 
     Raises
     ------
@@ -76,28 +69,15 @@ def read_side(target: Path, version: int | str) -> dict[str, Any]:
     if not path.exists():
         raise InputError(f"{path} does not exist; expected the side file of {target.name}; write the dataset again")
     side = parsed_object(read_bytes(path, "a side file"), str(path), "a dataset's side file; write the dataset again")
-    if side.get("version") != version:
-        raise InputError(f"{path} is no side file of version {version}; write the dataset again")
+    if side.get("version") != VERSION:
+        raise InputError(f"{path} is no side file of version {VERSION}; write the dataset again")
     if file_sha256(target) != taken(side, "sha256", str(path)):
         raise InputError(f"{target} is not the file its side file describes (another sha256); write the dataset again")
     return side
 
 
 def write_with_side(target: Path, write: Callable[[Path], dict[str, Any]]) -> None:
-    """Write a data file and its side file, both whole or not at all.
-
-    Parameters
-    ----------
-    target : Path
-        The data file.
-    write : callable
-        Fills the file whose path it is given with the rows, and returns the content of the side file.
-
-    Raises
-    ------
-    InputError
-        If the path cannot be written to.
-    """
+    """Write a data file and its side file: `write` fills the file that it is given and returns the side's content."""
     with whole_file(target) as rows_file, whole_file(side_path(target)) as side_file:
         side = write(rows_file)
         side_file.write_text(json.dumps(side, indent=1) + "\n", encoding="utf-8")

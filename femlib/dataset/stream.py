@@ -25,11 +25,10 @@ from femlib.dataset.parquet import GROUP_ROWS, parquet_file, pyarrow_modules, wr
 from femlib.dataset.plan import MapsStrains, Plan, SampledModel, StrainMap, described, fitted
 from femlib.dataset.sampling import Load, Sampling
 from femlib.dataset.states import StateLibrary
-from femlib.dataset.storage import checked_target, file_sha256, read_side, side_path, write_with_side
+from femlib.dataset.storage import VERSION, checked_target, file_sha256, read_side, side_path, write_with_side
 from femlib.errors import InputError, is_whole
 from femlib.kept import ReadOnly
 
-VERSION = "stream 1"
 MOST_TASK_STATES = 1024
 """States of one task, at most."""
 LEAST_TASKS = 16
@@ -130,8 +129,8 @@ def open_dataset(path: str | Path) -> StoredDataset:
     >>> open_dataset("strains.parquet").read(["mu1", "g1"]).shape
     (30, 2)
     """
-    target = checked_target(path, (".parquet",))
-    side, where = read_side(target, VERSION), str(side_path(target))
+    target = checked_target(path)
+    side, where = read_side(target), str(side_path(target))
     n_rows = whole(taken(side, "rows", where), f"{where}: rows")
     parameters, gauges = (names(taken(side, name, where), f"{where}: {name}") for name in ("parameters", "gauges"))
     with parquet_file(target) as file:
@@ -255,23 +254,8 @@ def _drawn(plan: Plan, number: int, first: int, clean: FloatArray, done: int, n_
 
 
 def _store(path: str | Path, tables: Iterator[pd.DataFrame], side: dict[str, Any]) -> StoredDataset:
-    """Write tables one after the other into one Parquet file, then its side file; both whole or not at all.
-
-    Parameters
-    ----------
-    path : str or Path
-        The Parquet file.
-    tables : iterator of DataFrame
-        Rows; they are asked for only once the path has proved writable.
-    side : dict
-        Content of the side file; names of parameters and gauges, from which the columns follow, are in it.
-
-    Raises
-    ------
-    InputError
-        If the path cannot be written to.
-    """
-    target = checked_target(path, (".parquet",))
+    """Write tables one after the other, asked for only once the path has proved writable, and the side's content."""
+    target = checked_target(path)
 
     def write(rows_file: Path) -> dict[str, Any]:
         n_rows = write_groups(rows_file, tables, _schema(side["parameters"], side["gauges"]))
