@@ -4,28 +4,20 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
-from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from femlib.arrays import FloatArray
 from femlib.assembly import MOST_ERROR
-from femlib.components import damage_row
-from femlib.errors import InputError, is_number
-from femlib.rom import ReducedModel, ReductionSettings, reduce_structure
-from femlib.sensors import StrainGauge, checked_strains
+from femlib.errors import InputError
+from femlib.rom import ReducedStrains, ReductionSettings, reduce_structure
+from femlib.sensors import StrainGauge
 from femlib.structure.model import MICRO, MOST_GAUGE_ERROR, Structure
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ReducedStructure:
-    """Gauge strains of damage states at a factor on one load; what octmip calls a twin.
-
-    Attributes
-    ----------
-    model : ReducedModel
-        Gauge strains [microstrain] at load factor 1.
+class ReducedStructure(ReducedStrains):
+    """Gauge strains of a structure, tension positive; what octmip calls a twin, by the methods of `ReducedStrains`.
 
     Examples
     --------
@@ -37,18 +29,6 @@ class ReducedStructure:
     >>> twin.parameters, twin.error_bound([[0.5]], load_factor=1.0).round(6).tolist()
     (('root',), [[0.0]])
     """
-
-    model: ReducedModel
-
-    @property
-    def gauges(self) -> tuple[str, ...]:
-        """Names of the gauges, in the order of the strains."""
-        return self.model.outputs
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the damage parameters: the columns of a state array."""
-        return self.model.parameters
 
     @property
     def effects(self) -> Mapping[str, object]:
@@ -64,44 +44,6 @@ class ReducedStructure:
     def compressive_positive(self) -> bool:
         """Whether compression is positive: tension is."""
         return False
-
-    @property
-    def provenance(self) -> Mapping[str, str]:
-        """Hash and size of the full model and of the load, settings and versions."""
-        return self.model.provenance
-
-    def predict(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
-        """Return the gauge strains (n_gauges,) [microstrain] of a state of named damage fractions, tension positive.
-
-        Raises
-        ------
-        InputError
-            If the state names an unknown parameter, a damage is outside [0, 1), the load factor is not finite, or a
-            strain is beyond linear analysis.
-        """
-        return np.asarray(self.predict_states(damage_row(state, self.parameters)[None, :], load_factor)[0])
-
-    def predict_states(self, states: FloatArray, load_factor: float) -> FloatArray:
-        """Return the gauge strains (n_states, n_gauges) [microstrain] of states (n_states, n_parameters)."""
-        return checked_strains(_checked_factor(load_factor) * self.model.solve(states))
-
-    def error_bound(self, states: ArrayLike, load_factor: float) -> FloatArray:
-        """Return bounds (n_states, n_gauges) [microstrain] of the difference from the full model."""
-        return abs(_checked_factor(load_factor)) * self.model.error_bound(states)
-
-    @property
-    def mesh_error(self) -> float:
-        """Estimated relative error of the gauge strains by the mesh, of the undamaged structure; NaN in older files."""
-        return float(self.provenance.get("mesh_error", "nan"))
-
-    def save(self, path: str | Path) -> None:
-        """Write the model to one .npz file; InputError if it cannot be written."""
-        self.model.save(path)
-
-    @classmethod
-    def load_file(cls, path: str | Path) -> "ReducedStructure":
-        """Read a model that `save` wrote; InputError if the file is no such model."""
-        return cls(ReducedModel.load_file(path))
 
 
 def reduce(
@@ -159,9 +101,3 @@ def reduce(
         "mesh_error": repr(error),
     }
     return ReducedStructure(reduce_structure(structure.damaged, load, rows, names, settings, provenance))
-
-
-def _checked_factor(load_factor: float) -> float:
-    if not is_number(load_factor):
-        raise InputError(f"load factor is {load_factor!r}; expected a finite number; correct it")
-    return float(load_factor)

@@ -16,12 +16,16 @@ from numpy.typing import ArrayLike
 
 from femlib import sensors
 from femlib.arrays import FloatArray
-from femlib.assembly import MOST_ERROR, Supports, refuse_error, solution_quality
-from femlib.components import MOST_PORTS, Component, DamagedStructure, checked_damage, damage_row
+from femlib.assembly import MOST_ERROR, Supports, solution_quality
+from femlib.assembly.quality import refuse_error
+from femlib.components import Component, DamagedStructure, damage_row
+from femlib.components.regions import checked_damage
+from femlib.components.structure import MOST_PORTS
 from femlib.errors import InputError, frozen_floats, is_number
 from femlib.geometry import Planform
 from femlib.kept import Kept, ReadOnly
 from femlib.mesh import DOFS_PER_NODE
+from femlib.rom.strains import checked_load_factor
 from femlib.sensors import checked_strains
 from femlib.wing.damage import TAPERED_REGIONS, UAV_REGIONS, DamageRegion, checked_regions
 from femlib.wing.gauges import (
@@ -371,13 +375,6 @@ def _on_planform(
     )
     structure = DamagedStructure(shells, supports, components)
     return Wing(structure, grid, regions, gauges, cards, lift, planform)
-
-
-def checked_load_factor(load_factor: float) -> float:
-    """Return the load factor as a float; raise InputError if it is not a finite number."""
-    if not is_number(load_factor):
-        raise InputError(f"load_factor is {load_factor!r}; expected a finite number; 1 is steady level flight")
-    return float(load_factor)
 
 
 def checked_motion(moved: FloatArray, size: float) -> FloatArray:

@@ -5,35 +5,29 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
-from pathlib import Path
 
 import numpy as np
 import scipy.sparse as sparse
-from numpy.typing import ArrayLike
 
 from femlib.arrays import FloatArray
 from femlib.components import damage_row
 from femlib.errors import InputError, frozen_floats
 from femlib.mesh import DOFS_PER_NODE
-from femlib.rom import ReducedModel, ReductionSettings, reduce_structure
-from femlib.sensors import checked_strains
-from femlib.wing.model import MICRO, Wing, checked_load_factor
+from femlib.rom import ReducedStrains, ReductionSettings, reduce_structure
+from femlib.rom.strains import checked_load_factor
+from femlib.wing.model import MICRO, Wing
 
 WORK = "work"
 """Name of the output that stands for the wing's displacement as a whole: load' u, at the largest strain's size."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ReducedWing:
-    """A wing's displacements and gauge strains from its reduced model.
+class ReducedWing(ReducedStrains):
+    """A wing's displacements and gauge strains, compressive positive, from its reduced model.
 
-    Attributes
-    ----------
-    model : ReducedModel
-        Gauge strains in microstrain, then `WORK`, at load factor 1.
+    The methods of `ReducedStrains` have two names: those of a twin, and those of the full wing. After the gauges the
+    model has the output `WORK`.
     """
-
-    model: ReducedModel
 
     def __post_init__(self) -> None:
         if not self.model.outputs or self.model.outputs[-1] != WORK or self.model.motion is None:
@@ -62,21 +56,6 @@ class ReducedWing:
         return _points(self.provenance.get("outline"))
 
     @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the damage parameters: the columns of a state array."""
-        return self.model.parameters
-
-    @property
-    def provenance(self) -> Mapping[str, str]:
-        """Hash and size of the full model, settings and versions."""
-        return self.model.provenance
-
-    @property
-    def mesh_error(self) -> float:
-        """Estimated relative error of the full wing's displacements by its mesh; NaN in older files."""
-        return float(self.provenance.get("mesh_error", "nan"))
-
-    @property
     def model_hash(self) -> str:
         """Fingerprint of the full wing."""
         return self.provenance["model"]
@@ -94,44 +73,9 @@ class ReducedWing:
         moved = checked_load_factor(load_factor) * self.model.displacements(row)[0]
         return np.asarray(moved.reshape(-1, DOFS_PER_NODE))
 
-    def strain_microstrain(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
-        """Return the gauge strains (n_gauges,) of a state of named damage fractions, compressive positive.
-
-        Raises
-        ------
-        InputError
-            As `solve`.
-        """
-        return np.asarray(self.strains_microstrain(damage_row(state, self.parameters)[None, :], load_factor)[0])
-
-    def strains_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
-        """Return the gauge strains (n_states, n_gauges) of damage fractions (n_states, n_parameters).
-
-        Raises
-        ------
-        InputError
-            As `solve`.
-        """
-        return checked_strains(checked_load_factor(load_factor) * self.model.solve(states)[:, :-1])
-
-    def error_bound_microstrain(self, states: ArrayLike, load_factor: float) -> FloatArray:
-        """Return bounds (n_states, n_gauges) of the difference of `strains_microstrain` from the full model.
-
-        Raises
-        ------
-        InputError
-            As `solve`.
-        """
-        return abs(checked_load_factor(load_factor)) * self.model.error_bound(states)[:, :-1]
-
-    def save(self, path: str | Path) -> None:
-        """Write the model to one .npz file; InputError if it cannot be written."""
-        self.model.save(path)
-
-    @classmethod
-    def load_file(cls, path: str | Path) -> "ReducedWing":
-        """Read a model that `save` wrote; InputError if the file is no such model."""
-        return cls(ReducedModel.load_file(path))
+    strain_microstrain = ReducedStrains.predict
+    strains_microstrain = ReducedStrains.predict_states
+    error_bound_microstrain = ReducedStrains.error_bound
 
 
 def reduce_wing(wing: Wing, settings: ReductionSettings | None = None, lift: FloatArray | None = None) -> ReducedWing:
