@@ -19,18 +19,13 @@ state's system is then solved by iteration, for many states at once.
 """
 
 from femlib.components.flexibility import PortFlexibility, port_flexibility
-from femlib.components.output_map import OutputMap
-from femlib.components.regions import Component, Condensed, checked_damage, damage_row
-from femlib.components.structure import MOST_PORTS, DamagedStructure
+from femlib.components.regions import Component, damage_row
+from femlib.components.structure import DamagedStructure
 
 __all__ = [
-    "MOST_PORTS",
     "Component",
-    "Condensed",
     "DamagedStructure",
-    "OutputMap",
     "PortFlexibility",
-    "checked_damage",
     "damage_row",
     "port_flexibility",
 ]

@@ -7,7 +7,8 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.assembly import Factors, Shells, Supports, factorise
+from femlib.assembly import Shells, Supports, factorise
+from femlib.assembly.factors import Factors
 from femlib.components.output_map import OutputMap
 from femlib.components.ports import Ports
 from femlib.components.regions import Component, Condensed, checked_damage, condense, damage_row, refuse_overlap

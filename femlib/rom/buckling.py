@@ -14,8 +14,8 @@ import numpy as np
 import scipy.linalg as linalg
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.assembly import Shells, matrix_buckling
-from femlib.assembly.buckling import geometric_stiffness, slope_rows
+from femlib.assembly import Shells
+from femlib.assembly.buckling import geometric_stiffness, matrix_buckling, slope_rows
 from femlib.assembly.integration import point_strains
 from femlib.components import DamagedStructure
 from femlib.mesh import DOFS_PER_NODE, dofs_of_nodes

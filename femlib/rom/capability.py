@@ -19,7 +19,8 @@ from scipy.special import ndtr
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import buckling_modes
 from femlib.assembly.stresses import Block, Faces, block_factors, blocks_of, corner_strains
-from femlib.components import DamagedStructure, checked_damage
+from femlib.components import DamagedStructure
+from femlib.components.regions import checked_damage
 from femlib.errors import InputError, is_number, is_whole
 from femlib.rom.buckling import ReducedBuckling, Sampled, reduce_buckling
 from femlib.rom.model import ReducedModel

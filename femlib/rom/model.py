@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg.lapack import dgesv, dgetrs
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.components import checked_damage
+from femlib.components.regions import checked_damage
 from femlib.errors import InputError, SolveError, frozen_floats
 from femlib.kept import ReadOnly
 from femlib.rom.bound import ErrorBound

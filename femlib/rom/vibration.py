@@ -26,8 +26,10 @@ import scipy.sparse as sparse
 from numpy.typing import ArrayLike
 
 from femlib.arrays import FloatArray
-from femlib.assembly import factorise, matrix_modes
-from femlib.components import DamagedStructure, checked_damage
+from femlib.assembly import factorise
+from femlib.assembly.modes import matrix_modes
+from femlib.components import DamagedStructure
+from femlib.components.regions import checked_damage
 from femlib.errors import InputError, frozen_floats, is_whole
 
 MOST_ALONE = 0.95

@@ -5,7 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
-from femlib.assembly import BuiltUp, edge_forces, surface_load
+from femlib.assembly import surface_load
+from femlib.assembly.built_up import BuiltUp
+from femlib.assembly.loads import edge_forces
 from femlib.errors import InputError, frozen_floats, is_number
 from femlib.mesh import DOFS_PER_NODE
 from femlib.structure.named_mesh import NamedMesh

@@ -11,9 +11,7 @@ from femlib import sensors
 from femlib.arrays import FloatArray, Judged, judged
 from femlib.assembly import (
     MOST_ERROR,
-    MOST_PEAK_ERROR,
     BucklingMode,
-    BuiltUp,
     Judge,
     Mode,
     Quality,
@@ -21,13 +19,13 @@ from femlib.assembly import (
     Stresses,
     Supports,
     buckling_modes,
-    checked_peak,
-    is_buckled,
     natural_modes,
     ply_stresses,
-    refuse_error,
-    relative_distance,
 )
+from femlib.assembly.buckling import is_buckled
+from femlib.assembly.built_up import BuiltUp
+from femlib.assembly.peaks import MOST_PEAK_ERROR, checked_peak
+from femlib.assembly.quality import refuse_error, relative_distance
 from femlib.assembly.refined import MOST_UNKNOWNS
 from femlib.components import DamagedStructure, damage_row
 from femlib.errors import InputError, SolveError, frozen_floats

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
-from femlib.assembly import Beams, BuiltUp, Springs
+from femlib.assembly.built_up import Beams, BuiltUp, Springs
 from femlib.components import Component
 from femlib.elements.beam2 import BeamSection
 from femlib.errors import InputError, frozen_floats, is_number

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.assembly import Deflection, deflect, thermal_forces
+from femlib.assembly import Deflection, deflect
+from femlib.assembly.loads import thermal_forces
 from femlib.errors import InputError, is_whole
 from femlib.wing.model import MICRO, Wing
 

@@ -18,7 +18,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.assembly import CorotatedShells, Deflection
+from femlib.assembly import Deflection
+from femlib.assembly.deflection import CorotatedShells
 from femlib.kept import Kept
 from femlib.wing.bent import gauge_strains
 from femlib.wing.effects.card import WingEffect

@@ -17,7 +17,8 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray
-from femlib.components import MOST_PORTS, damage_row
+from femlib.components import damage_row
+from femlib.components.structure import MOST_PORTS
 from femlib.kept import Kept
 from femlib.wing.model import MICRO, Wing
 
