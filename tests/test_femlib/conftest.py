@@ -6,6 +6,7 @@ import pytest
 
 from femlib.dataset import MeanStrains, published_strains, simulated_strains
 from femlib.wing import ReducedWing, Wing, reduce_wing, uav_wing
+from femlib.wing.damage import damage_library
 
 SHARED = Path(__file__).resolve().parents[3] / "shared"
 PUBLISHED = SHARED / "uav" / "strains.csv"
@@ -17,15 +18,15 @@ def wing() -> Wing:
 
 
 @pytest.fixture(scope="session")
-def coarse() -> Wing:
-    """The wing on a coarse mesh with all 82 gauges, for tests of exactness that hold on any mesh."""
-    return uav_wing(candidates=True, refinement=0.4)
+def coarser() -> Wing:
+    """The wing with all 82 gauges on a mesh so coarse that factorising it again and again takes little."""
+    return uav_wing(candidates=True, refinement=0.3)
 
 
 @pytest.fixture(scope="session")
-def coarser() -> Wing:
-    """The same on a mesh so coarse that factorising it again and again for the truth takes little."""
-    return uav_wing(candidates=True, refinement=0.3)
+def all_regions() -> Wing:
+    """The wing with all 28 regions on a mesh so coarse that their couplings take seconds."""
+    return uav_wing(refinement=0.25, regions=damage_library())
 
 
 @pytest.fixture(scope="session")

@@ -18,24 +18,24 @@ def block(lines: list[str], start: str) -> list[str]:
     return lines[first : first + length]
 
 
-def test_the_deck_has_every_element_and_the_whole_load(coarse: Wing, tmp_path: Path) -> None:
-    write_deck(coarse, tmp_path / "wing.inp", {"mu1": 0.5}, 3.0, warming=-20.0, large_deflection=True)
+def test_the_deck_has_every_element_and_the_whole_load(tiny: Wing, tmp_path: Path) -> None:
+    write_deck(tiny, tmp_path / "wing.inp", {"mu1": 0.5}, 3.0, warming=-20.0, large_deflection=True)
     assert [path.name for path in tmp_path.iterdir()] == ["wing.inp"]
-    deck, mesh = (tmp_path / "wing.inp").read_text().splitlines(), coarse.structure.shells.mesh
+    deck, mesh = (tmp_path / "wing.inp").read_text().splitlines(), tiny.structure.shells.mesh
     assert len(block(deck, "*ELEMENT, TYPE=S8R")) == len(mesh.quads)
     assert len(block(deck, "*ELEMENT, TYPE=S6")) == len(mesh.trias)
     loads = np.array([line.split(",") for line in block(deck, "*CLOAD")], dtype=float)
-    assert loads[:, 2].sum() == pytest.approx(3.0 * coarse.lift[2::6].sum())
+    assert loads[:, 2].sum() == pytest.approx(3.0 * tiny.lift[2::6].sum())
     assert "*STEP, NLGEOM" in deck
     assert "ALL, -20.0, 0.0" in deck
 
 
-def test_damage_lowers_the_modulus_of_its_region(coarse: Wing, tmp_path: Path) -> None:
+def test_damage_lowers_the_modulus_of_its_region(tiny: Wing, tmp_path: Path) -> None:
     moduli = []
     for mu in (0.0, 0.5):
-        write_deck(coarse, tmp_path / "wing.inp", {"mu1": mu}, 1.0)
+        write_deck(tiny, tmp_path / "wing.inp", {"mu1": mu}, 1.0)
         lines = (tmp_path / "wing.inp").read_text().splitlines()
-        element = int(np.flatnonzero(coarse.structure.components[0].elements)[0]) + 1
+        element = int(np.flatnonzero(tiny.structure.components[0].elements)[0]) + 1
         sets = [k for k, line in enumerate(lines) if line.startswith("*ELSET, ELSET=E")]
         owner = next(k for k in reversed(sets) if f"{element}," in block(lines[k:], "*ELSET"))
         at = next(k for k in range(owner, len(lines)) if lines[k] == "*ELASTIC")
@@ -43,37 +43,37 @@ def test_damage_lowers_the_modulus_of_its_region(coarse: Wing, tmp_path: Path) -
     assert moduli[1] == pytest.approx(0.5 * moduli[0])
 
 
-def test_the_last_increment_of_a_result_counts(coarse: Wing, tmp_path: Path) -> None:
-    elements = range(1, coarse.structure.shells.mesh.n_elements + 1)
+def test_the_last_increment_of_a_result_counts(tiny: Wing, tmp_path: Path) -> None:
+    elements = range(1, tiny.structure.shells.mesh.n_elements + 1)
     for share in (0.5, 1.0):
         with (tmp_path / "wing.dat").open("a") as out:
             out.write(" strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz) for set GAUGES and time  1.0\n\n")
             out.writelines(
-                f" {e} {p} 0. {-share * 1e-3 * (p > 4)} 0. 0. 0. 0. S\n" for e in elements for p in range(1, 9)
+                f" {e} {p} {3 * f'{-share * 1e-3 * (p > 4)} '} 0. 0. 0. S\n" for e in elements for p in range(1, 9)
             )
-    assert read_gauges(coarse, tmp_path / "wing.dat") == pytest.approx(np.full(82, 1000.0))
+    assert read_gauges(tiny, tmp_path / "wing.dat") == pytest.approx(np.full(24, 1000.0), rel=1e-4)
 
 
-def test_other_forces_a_gradient_and_a_temperature_by_element_reach_the_deck(coarse: Wing, tmp_path: Path) -> None:
-    path, n = tmp_path / "wing.inp", coarse.structure.shells.mesh.n_elements
-    forces = np.zeros_like(coarse.lift)
+def test_other_forces_a_gradient_and_a_temperature_by_element_reach_the_deck(tiny: Wing, tmp_path: Path) -> None:
+    path, n = tmp_path / "wing.inp", tiny.structure.shells.mesh.n_elements
+    forces = np.zeros_like(tiny.lift)
     forces[[7, 10]] = 2.0, 0.5  # node 2: a force along y and a moment about y
-    write_deck(coarse, path, {}, 3.0, lift=forces, warming=5.0, gradient=200.0)
+    write_deck(tiny, path, {}, 3.0, lift=forces, warming=5.0, gradient=200.0)
     lines = path.read_text().splitlines()
     assert block(lines, "*CLOAD") == ["2, 2, 6.000000000e+00", "2, 5, 1.500000000e+00"]
     assert block(lines, "*TEMPERATURE") == ["ALL, 5.0, 200.0"]
     warm = np.where(np.arange(n) == 3, 7.0, 0.0)
-    write_deck(coarse, path, {}, 3.0, warming=warm)
+    write_deck(tiny, path, {}, 3.0, warming=warm)
     lines = path.read_text().splitlines()
     assert block(lines, "*TEMPERATURE") == ["ALL, 1.0, 0.0"]
     heated = [k for k, line in enumerate(lines) if line.startswith("*EXPANSION") and float(lines[k + 1]) > 0.0]
-    assert [float(lines[k + 1]) for k in heated] == [pytest.approx(7.0 * coarse.materials.skin_expansion)]
+    assert [float(lines[k + 1]) for k in heated] == [pytest.approx(7.0 * tiny.materials.skin_expansion)]
     with pytest.raises(InputError, match=r"gradient is 1.0 K/m beside a warming by element; expected 0"):
-        write_deck(coarse, path, {}, 3.0, warming=warm, gradient=1.0)
+        write_deck(tiny, path, {}, 3.0, warming=warm, gradient=1.0)
     with pytest.raises(InputError, match=r"warming has shape \(3,\)"):
-        write_deck(coarse, path, {}, 3.0, warming=np.zeros(3))
+        write_deck(tiny, path, {}, 3.0, warming=np.zeros(3))
     with pytest.raises(InputError, match=r"lift\[1\] is nan"):
-        write_deck(coarse, path, {}, 3.0, lift=np.where(np.arange(len(forces)) == 1, np.nan, 0.0))
+        write_deck(tiny, path, {}, 3.0, lift=np.where(np.arange(len(forces)) == 1, np.nan, 0.0))
 
 
 @pytest.mark.skipif(not has_ccx(), reason="CalculiX (ccx) is not installed")

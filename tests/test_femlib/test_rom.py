@@ -9,8 +9,7 @@ import pytest
 from femlib.components import PortFlexibility, port_flexibility
 from femlib.errors import InputError
 from femlib.rom import ReducedModel, ReductionSettings, reduce_ports, reduce_structure
-from femlib.wing import ReducedWing, Wing, reduce_wing, uav_wing
-from femlib.wing.damage import damage_library
+from femlib.wing import ReducedWing, Wing, reduce_wing
 
 MICRO = 1e6
 QUICK = ReductionSettings(n_states=100, n_dual_states=6)
@@ -33,9 +32,8 @@ def model(reduced: ReducedWing) -> ReducedModel:
 
 
 @pytest.fixture(scope="module")
-def many() -> PortFlexibility:
-    """All 28 regions on a mesh so coarse that their couplings take seconds."""
-    wing = uav_wing(refinement=0.25, regions=damage_library())
+def many(all_regions: Wing) -> PortFlexibility:
+    wing = all_regions
     return port_flexibility(wing.structure, wing.lift, MICRO * wing.strain_rows, wing.gauges.names)
 
 
@@ -93,8 +91,8 @@ def test_couplings_bound_the_exact_ones(many: PortFlexibility, many_reduced: Red
     assert many_reduced.bound.coupling(np.full(28, 0.999)) == np.inf
 
 
-def test_the_exact_model_of_28_regions_is_a_factorisation_of_its_own(many: PortFlexibility) -> None:
-    wing = uav_wing(refinement=0.25, regions=damage_library())
+def test_the_exact_model_of_28_regions_is_a_factorisation_of_its_own(many: PortFlexibility, all_regions: Wing) -> None:
+    wing = all_regions
     states = random_states(3, 28)
     full = MICRO * wing.structure.solve_outputs(states, wing.lift, wing.strain_rows)
     assert many.solve(states) == pytest.approx(full, abs=1e-5)

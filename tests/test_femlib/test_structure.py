@@ -62,18 +62,20 @@ def test_loads_by_name_have_their_resultants(plate):
     assert plate.total_mass == pytest.approx(mass)
 
 
-def test_damage_is_less_stiffness_of_that_set(plate, load):
+def test_damage_is_less_stiffness_of_that_set():
+    plate = plate_with_mast(damage=("middle", "mast", "foot"), springs=(corner_spring(),))
+    load = plate.pressure("skin", 50.0) + plate.point_load("top", (0.0, 2.0, 0.0)) + plate.gravity()
     soft = isotropic_plate(0.4 * 70e9, 0.33, 0.003, 2700.0)
-    mesh = plate_mesh(12, 8)
-    mesh.cell_sets["outer"] = [np.setdiff1d(np.arange(96), mesh.cell_sets["middle"][0]), np.zeros(0, dtype=int)]
+    mesh = plate_mesh()
+    mesh.cell_sets["outer"] = [np.setdiff1d(np.arange(24), mesh.cell_sets["middle"][0]), np.zeros(0, dtype=int)]
     mast = rectangular_beam(0.3 * 70e9, 0.33, 0.01, 0.02, (1, 0, 0), 2700.0)
     sections = {"outer": ALUMINIUM, "middle": soft, "mast": mast}
     other = Structure(read(mesh), sections, {"left": "clamped"}, (), {"top": 0.5}, (corner_spring(1e4),))
     state = {"middle": 0.6, "mast": 0.7, "foot": 0.5}
-    np.testing.assert_allclose(plate.solve(state, load), other.solve({}, load), rtol=1e-7, atol=1e-12)
-    found = plate.strain_microstrain(state, load, GAUGES)
-    np.testing.assert_allclose(found, other.strain_microstrain({}, load, GAUGES), rtol=1e-7)
-    # the mast twists one node of the plate, which never converges
+    # the mesh is coarse, and the mast twists one node of the plate, which never converges
+    np.testing.assert_allclose(plate.solve(state, load, 1.0), other.solve({}, load, 1.0), rtol=1e-7, atol=1e-12)
+    found = plate.strain_microstrain(state, load, GAUGES, 1.0, 1.0)
+    np.testing.assert_allclose(found, other.strain_microstrain({}, load, GAUGES, 1.0, 1.0), rtol=1e-7)
     ours, theirs = ([m.frequency for m in s.natural_modes(3, w, limit=1.0)] for s, w in ((plate, state), (other, None)))
     np.testing.assert_allclose(ours, theirs, rtol=1e-7)
 

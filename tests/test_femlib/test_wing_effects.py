@@ -25,7 +25,7 @@ from femlib.wing.planform import PLANFORM
 from femlib.wing.structure import WingMaterials
 from tests.test_femlib.conftest import SHARED
 
-WING = uav_wing(refinement=0.3)
+WING = uav_wing(refinement=0.25)
 EFFECTS = wing_effects(WING)
 TWIN = WingTwin(WING, EFFECTS)
 STATE = {"mu1": 0.3, "mu2": 0.5}
@@ -71,7 +71,7 @@ def test_the_gauges_answer_any_force_in_any_state_as_a_new_factorisation_does():
 
 
 def test_a_modulus_is_the_strain_of_a_stiffer_wing():
-    stiffer = uav_wing(refinement=0.3, materials=WingMaterials(modulus_scale=1.02 * WingMaterials().modulus_scale))
+    stiffer = uav_wing(refinement=0.25, materials=WingMaterials(modulus_scale=1.02 * WingMaterials().modulus_scale))
     exact = EFFECTS["modulus"].predict(TWIN, STATE, 3.0, 2.0, "", 0.0)
     assert np.allclose(exact, stiffer.strain_microstrain(STATE, 3.0), rtol=1e-6)
 
@@ -145,7 +145,7 @@ def test_large_deflection_is_what_newton_finds():
 
 def test_creep_is_the_strain_of_a_wing_whose_skins_have_softened_by_that_time():
     card = WingMaterials()
-    softer = uav_wing(refinement=0.3, materials=WingMaterials(skin_young=card.skin_young / 1.002))
+    softer = uav_wing(refinement=0.25, materials=WingMaterials(skin_young=card.skin_young / 1.002))
     change = softer.strain_microstrain(STATE, 3.0) - WING.strain_microstrain(STATE, 3.0)
     assert np.allclose(0.2 * signature("creep", time=3600.0), change, rtol=0.01, atol=1e-3)
     assert (signature("creep", time=0.0) == 0.0).all()
