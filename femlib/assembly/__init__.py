@@ -5,7 +5,7 @@ from femlib.assembly.deflection import Deflection, deflect
 from femlib.assembly.factors import factored_by, factorise
 from femlib.assembly.loads import line_load, surface_load, thermal_load
 from femlib.assembly.modes import Mode, natural_modes, point_masses
-from femlib.assembly.quality import MOST_ERROR, Judge, Quality, checked_solution, solution_quality
+from femlib.assembly.quality import MOST_ERROR, Judge, Quality, solution_quality
 from femlib.assembly.shells import Shells
 from femlib.assembly.stresses import Stresses, ply_stresses
 from femlib.assembly.supports import Supports
@@ -21,7 +21,6 @@ __all__ = [
     "Stresses",
     "Supports",
     "buckling_modes",
-    "checked_solution",
     "deflect",
     "factored_by",
     "factorise",

@@ -16,7 +16,7 @@ from functools import partial
 
 import numpy as np
 
-from femlib.arrays import FloatArray, judged
+from femlib.arrays import FloatArray
 from femlib.assembly.factors import Factors, factorise
 from femlib.assembly.integration import point_strains
 from femlib.assembly.loads import thermal_load
@@ -244,23 +244,6 @@ def solution_quality(
     shares = np.concatenate([k.distance(recovered[np.searchsorted(names, k.group)]) for k in kinds]) / energy
     shares[len(mesh.quads) :] *= TRIANGLE
     return Quality(shares)
-
-
-def checked_solution(shells: Shells, supports: Supports, load: FloatArray, limit: float = MOST_ERROR) -> FloatArray:
-    """Return the displacements (n_dofs,) under nodal forces (n_dofs,) [N, N m], judged by both estimates.
-
-    Raises
-    ------
-    InputError
-        If the load has another number of entries or one is not finite.
-    SolveError
-        If the structure is not held, or the displacements are estimated to be farther off than `limit`.
-    """
-    force = frozen_floats(load, "load", (supports.n_dofs,))
-    moved = supports.expand(_factors(shells, supports, None).solve(force[supports.free]))
-    quality = Judge(shells, supports).quality(force, moved, moved, None)
-    quality.refuse(limit)
-    return judged(moved, quality.displacement_error)
 
 
 def _largest(load: FloatArray) -> float:

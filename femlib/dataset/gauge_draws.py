@@ -36,10 +36,6 @@ class GaugeDraws:
         # The bytes themselves and no hash of them: two names never share a generator.
         self._own = [np.random.default_rng([*seed, *name.encode()]) for name in gauges]
 
-    def __len__(self) -> int:
-        """Return the number of gauges."""
-        return len(self._own)
-
     def own(self, standard_deviation: float, shape: tuple[int, ...] = ()) -> FloatArray:
         """Return numbers (*shape, n_gauges) that are independent of each other."""
         numbers = np.empty((*shape, len(self._own)))

@@ -1,12 +1,15 @@
 """Parts of both elements: the laminates' moduli, and strain rows in global axes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.material import Laminate
+
+AT_ONCE = 4096
+"""Elements whose rows are held in memory together: 40 MB."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,6 +28,11 @@ class StrainOperator:
     membrane: FloatArray
     curvature: FloatArray
     axes: FloatArray
+
+
+def batches(n: int) -> Iterator[slice]:
+    """Return slices that go over n elements, `AT_ONCE` at a time."""
+    return (slice(first, min(first + AT_ONCE, n)) for first in range(0, n, AT_ONCE))
 
 
 def moduli(laminates: Sequence[Laminate]) -> tuple[FloatArray, FloatArray]:

@@ -10,12 +10,12 @@ has to be more than 0: from .01 to 1 no figure of docs/wing.md moves by more tha
 4 % off with .01.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.elements.frame import StrainOperator, moduli
+from femlib.elements.frame import StrainOperator, batches, moduli
 from femlib.elements.quad4_rows import N_DOFS, Elements
 from femlib.elements.surface import GAUSS, frame, shape
 from femlib.material import Laminate
@@ -23,8 +23,6 @@ from femlib.material import Laminate
 N_NODES = 4
 DRILLING = 0.1
 """Stiffness of the rotation about the normal against the surface's, over the membrane's shear stiffness."""
-AT_ONCE = 4096
-"""Elements whose rows are held in memory together: 40 MB."""
 
 
 def stiffness(points: FloatArray, laminates: Sequence[Laminate], section: IntArray, axis: FloatArray) -> FloatArray:
@@ -43,7 +41,7 @@ def stiffness(points: FloatArray, laminates: Sequence[Laminate], section: IntArr
     """
     matrices = np.empty((len(points), N_DOFS, N_DOFS))
     held, shear = moduli(laminates)
-    for part in _parts(len(points)):
+    for part in batches(len(points)):
         matrices[part] = _stiffness(Elements.of(points[part]), held[section[part]], shear[section[part]], axis)
     return matrices
 
@@ -55,7 +53,7 @@ def mass(points: FloatArray, laminates: Sequence[Laminate], section: IntArray) -
     """
     matrices = np.zeros((len(points), 4, 6, 4, 6))
     of_sections = np.array([[own.mass, own.mass_moment, own.rotary_inertia] for own in laminates])[section]
-    for part in _parts(len(points)):
+    for part in batches(len(points)):
         normals = Elements.of(points[part]).normals
         for r, s in GAUSS.tolist():
             area = frame(points[part], r, s, np.zeros(3)).area
@@ -84,7 +82,7 @@ def strain_operators(
     """
     direction = np.zeros(3) if axis is None else axis
     rows, axes = np.empty((len(points), len(places), 6, N_DOFS)), np.empty((len(points), len(places), 3, 3))
-    for part in _parts(len(points)):
+    for part in batches(len(points)):
         elements = Elements.of(points[part])
         for k, (r, s) in enumerate(places):
             local = frame(elements.points, r, s, direction)
@@ -105,16 +103,12 @@ def slope_rows(points: FloatArray, places: Sequence[tuple[float, float]], axis: 
     The normal displacement is linked to the corners' rotations: it is quadratic along a side whose ends turn apart.
     """
     rows = np.empty((len(points), len(places), 2, 3, N_DOFS))
-    for part in _parts(len(points)):
+    for part in batches(len(points)):
         elements = Elements.of(points[part])
         for k, (r, s) in enumerate(places):
             local = frame(elements.points, r, s, axis)
             rows[part, k] = np.einsum("nba,naij->nbij", local.along, elements.linked_slopes(r, s, local.axes[:, :, 2]))
     return rows
-
-
-def _parts(n: int) -> Iterator[slice]:
-    return (slice(first, min(first + AT_ONCE, n)) for first in range(0, n, AT_ONCE))
 
 
 def _strain_rows(elements: Elements, r: float, s: float, turn: FloatArray) -> FloatArray:

@@ -8,19 +8,17 @@ Source of the points: D. A. Dunavant, Int. J. Numer. Meth. Engng 21 (1985) 1129-
 curvatures squared.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.elements.frame import StrainOperator, moduli
+from femlib.elements.frame import StrainOperator, batches, moduli
 from femlib.elements.rotations import skew
 from femlib.elements.tria3_rows import N_DOFS, WITH_BUBBLE, Triangles, bending_factor
 from femlib.material import Laminate
 
 N_NODES = 3
-AT_ONCE = 4096
-"""Elements whose rows are held in memory together: 30 MB."""
 MIDDLE = np.full((1, 3), 1.0 / 3.0)
 MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
 """Area coordinates of the middle and of the sides' middles."""
@@ -35,7 +33,7 @@ def stiffness(points: FloatArray, laminates: Sequence[Laminate], section: IntArr
     matrices = np.empty((len(points), N_DOFS, N_DOFS))
     held, shear = moduli(laminates)
     factor = np.array([bending_factor(own.membrane) for own in laminates])
-    for part in _parts(len(points)):
+    for part in batches(len(points)):
         own = section[part]
         matrices[part] = _stiffness(Triangles.of(points[part], axis), held[own], shear[own], factor[own])
     return matrices
@@ -106,10 +104,6 @@ def slope_rows(points: FloatArray, axes: FloatArray) -> FloatArray:
             rows[:, place, :, :, j, 3:] += bubble
             rows[:, place, :, :, i, 3:] -= bubble
     return rows.reshape(len(points), 3, 2, 3, N_DOFS)
-
-
-def _parts(n: int) -> Iterator[slice]:
-    return (slice(first, min(first + AT_ONCE, n)) for first in range(0, n, AT_ONCE))
 
 
 def _stiffness(triangles: Triangles, held: FloatArray, shear: FloatArray, factor: FloatArray) -> FloatArray:
