@@ -144,6 +144,13 @@ def dofs_of_nodes(nodes: IntArray | Sequence[int]) -> IntArray:
     return DOFS_PER_NODE * np.asarray(nodes, dtype=np.int64)[..., None] + np.arange(DOFS_PER_NODE)
 
 
+def shell_sides(quads: IntArray, trias: IntArray) -> tuple[IntArray, IntArray]:
+    """Return the sides (n, 2) of shells from each corner to the next, and the shell of each side or corner (n,)."""
+    ends = [np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2) for corners in (quads, trias)]
+    shell = np.repeat(np.arange(len(quads) + len(trias)), np.repeat([4, 3], [len(quads), len(trias)]))
+    return np.concatenate(ends), shell
+
+
 def warp_heights(points: FloatArray) -> FloatArray:
     """Return the distance (n,) [m] of the farthest corner from the mean plane of elements (n, 3 or 4, 3)."""
     forward = np.roll(points, -1, axis=1) - points
@@ -207,13 +214,10 @@ def _check_quality(points: FloatArray, first: int, limits: QualityLimits) -> Non
 
 def _check_orientation(quads: IntArray, trias: IntArray, patch: IntArray) -> None:
     """Refuse the first element that runs along an edge in the same direction as its one neighbour of the same patch."""
-    starts = np.concatenate([quads.ravel(), trias.ravel()])
-    ends = np.concatenate([np.roll(quads, -1, axis=1).ravel(), np.roll(trias, -1, axis=1).ravel()])
-    sizes = np.repeat([quads.shape[1], trias.shape[1]], [len(quads), len(trias)])
-    element = np.repeat(np.arange(len(sizes)), sizes)
-    edges = np.column_stack([np.minimum(starts, ends), np.maximum(starts, ends), patch[element]])
+    sides, element = shell_sides(quads, trias)
+    edges = np.column_stack([np.sort(sides, axis=1), patch[element]])
     _, edge, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    forward = np.bincount(edge.ravel(), weights=starts < ends, minlength=len(count))
+    forward = np.bincount(edge.ravel(), weights=sides[:, 0] < sides[:, 1], minlength=len(count))
     wrong = (count == 2) & (forward != 1.0)  # three at one edge are a junction, which has no common side
     if wrong.any():
         order, start = np.argsort(edge.ravel(), kind="stable"), (np.cumsum(count) - count)[wrong]

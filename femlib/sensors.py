@@ -18,12 +18,11 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.elements import quad4, tria3
 from femlib.elements.frame import StrainOperator
 from femlib.elements.middle import middles
 from femlib.elements.surface import shape
 from femlib.errors import InputError, frozen_floats, is_number
-from femlib.mesh import Mesh, dofs_of_nodes
+from femlib.mesh import Mesh, dofs_of_nodes, shell_sides
 
 STEEPEST = 0.1
 """Least share of a gauge's direction that must lie in the surface: 6 degrees from the normal."""
@@ -285,9 +284,8 @@ def _fitted(
 
 def _elements_at_nodes(mesh: Mesh) -> list[IntArray]:
     """Return for each node the elements that touch it, in increasing order."""
-    corners = np.concatenate([mesh.quads.ravel(), mesh.trias.ravel()])
-    sizes = np.repeat([quad4.N_NODES, tria3.N_NODES], [len(mesh.quads), len(mesh.trias)])
-    element = np.repeat(np.arange(mesh.n_elements), sizes)
+    sides, element = shell_sides(mesh.quads, mesh.trias)
+    corners = sides[:, 0]
     order = np.argsort(corners, kind="stable")
     return np.split(element[order], np.cumsum(np.bincount(corners, minlength=len(mesh.nodes)))[:-1])
 

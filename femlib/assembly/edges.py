@@ -17,7 +17,7 @@ import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.elements.rotations import skew
-from femlib.mesh import Mesh
+from femlib.mesh import Mesh, shell_sides
 
 SMOOTH = np.cos(np.radians(40.0))
 """Elements whose normals are nearer than this are of one smooth surface."""
@@ -56,13 +56,8 @@ def _named(mesh: Mesh, ends: IntArray) -> IntArray:
 
 def _sides(mesh: Mesh) -> tuple[IntArray, IntArray, FloatArray]:
     """Return the sides of all shells (n, 2), each one's element (n,), and the normals at its ends (n, 2, 3)."""
-    sides, elements, normals, first = [], [], [], 0
-    for corners, own in zip((mesh.quads, mesh.trias), corner_normals(mesh), strict=True):
-        sides.append(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2))
-        normals.append(np.stack([own, np.roll(own, -1, axis=1)], axis=2).reshape(-1, 2, 3))
-        elements.append(np.repeat(first + np.arange(len(corners)), corners.shape[1]))
-        first += len(corners)
-    return np.concatenate(sides), np.concatenate(elements), np.concatenate(normals)
+    normals = [np.stack([own, np.roll(own, -1, axis=1)], axis=2).reshape(-1, 2, 3) for own in corner_normals(mesh)]
+    return *shell_sides(mesh.quads, mesh.trias), np.concatenate(normals)
 
 
 def corner_normals(mesh: Mesh) -> list[FloatArray]:
@@ -70,8 +65,8 @@ def corner_normals(mesh: Mesh) -> list[FloatArray]:
     vectors = mesh.area_vectors()
     unit = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
     k = len(mesh.quads)
-    corner = np.concatenate([mesh.quads.ravel(), mesh.trias.ravel()])
-    element = np.concatenate([np.repeat(np.arange(k), 4), k + np.repeat(np.arange(len(mesh.trias)), 3)])
+    sides, element = shell_sides(mesh.quads, mesh.trias)
+    corner = sides[:, 0]
     at = sparse.csr_array(
         (np.ones(len(corner)), (np.arange(len(corner)), corner)), shape=(len(corner), len(mesh.nodes))
     )

@@ -24,7 +24,7 @@ from femlib.assembly.edges import bends, corner_normals
 from femlib.assembly.loads import edge_shares, surface_shares
 from femlib.assembly.shells import Shells
 from femlib.assembly.supports import Supports
-from femlib.mesh import DOFS_PER_NODE, Mesh, QualityLimits, dofs_of_nodes
+from femlib.mesh import DOFS_PER_NODE, Mesh, QualityLimits, dofs_of_nodes, shell_sides
 
 MOST_UNKNOWNS = 60_000
 """Degrees of freedom of the finer mesh, at most: some 5 CPU seconds."""
@@ -74,8 +74,7 @@ class Refined:
         mesh = shells.mesh
         quads, trias, n = mesh.quads, mesh.trias, len(mesh.nodes)
         ends = shells.beams.ends if isinstance(shells, BuiltUp) else np.zeros((0, 2), dtype=np.int64)
-        sides = [np.stack([c, np.roll(c, -1, axis=1)], axis=2).reshape(-1, 2) for c in (quads, trias)]
-        every = np.sort(np.concatenate([*sides, ends]), axis=1)
+        every = np.sort(np.concatenate([shell_sides(quads, trias)[0], ends]), axis=1)
         edges, number = np.unique(every, axis=0, return_inverse=True)
         number = number.ravel() + n
         q, t = 4 * len(quads), 3 * len(trias)
@@ -185,12 +184,9 @@ def _in_space(shares: sparse.csr_array) -> sparse.csr_array:
 
 def _loaded_edges(mesh: Mesh, is_loaded: BoolArray, inside: BoolArray) -> IntArray:
     """Return the edges (n, 2) between loaded nodes that belong to no element `inside` the loads."""
-    k = len(mesh.quads)
-    sides = [np.stack([c, np.roll(c, -1, axis=1)], axis=2) for c in (mesh.quads, mesh.trias)]
-    every = np.sort(np.concatenate([side.reshape(-1, 2) for side in sides]), axis=1)
-    owned = np.concatenate([np.repeat(inside[:k], 4), np.repeat(inside[k : mesh.n_elements], 3)])
-    edges, number = np.unique(every, axis=0, return_inverse=True)
-    is_inside = np.bincount(number.ravel(), weights=owned, minlength=len(edges)) > 0.0
+    sides, shell = shell_sides(mesh.quads, mesh.trias)
+    edges, number = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True)
+    is_inside = np.bincount(number.ravel(), weights=inside[shell], minlength=len(edges)) > 0.0
     return np.asarray(edges[is_loaded[edges].all(axis=1) & ~is_inside])
 
 

@@ -11,17 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from femlib.arrays import FloatArray, Judged, judged
-from femlib.assembly import (
-    MOST_ERROR,
-    MOST_PEAK_ERROR,
-    BucklingMode,
-    Stresses,
-    buckling_modes,
-    checked_peak,
-    is_buckled,
-    ply_stresses,
-    thermal_load,
-)
+from femlib.assembly import MOST_ERROR, BucklingMode, Stresses, buckling_modes, ply_stresses, thermal_load
+from femlib.assembly.buckling import is_buckled
+from femlib.assembly.peaks import MOST_PEAK_ERROR, checked_peak
 from femlib.assembly.refined import MOST_UNKNOWNS
 from femlib.components import damage_row
 from femlib.errors import InputError, SolveError, frozen_floats, is_number

@@ -9,7 +9,7 @@ from femlib.assembly import surface_load
 from femlib.assembly.built_up import BuiltUp
 from femlib.assembly.loads import edge_forces
 from femlib.errors import InputError, frozen_floats, is_number
-from femlib.mesh import DOFS_PER_NODE
+from femlib.mesh import DOFS_PER_NODE, shell_sides
 from femlib.structure.named_mesh import NamedMesh
 
 
@@ -79,16 +79,9 @@ def gravity_load(built: BuiltUp, acceleration: Sequence[float]) -> FloatArray:
     return np.asarray(built.mass() @ field.ravel())
 
 
-def _sides(mesh: NamedMesh) -> tuple[IntArray, IntArray]:
-    """Return the directed edges of all shells (n, 2) and the shell of each (n,)."""
-    ends = [np.stack([c, np.roll(c, -1, axis=1)], axis=-1).reshape(-1, 2) for c in (mesh.quads, mesh.trias)]
-    shells = np.repeat(np.arange(mesh.n_shells), np.repeat([4, 3], [len(mesh.quads), len(mesh.trias)]))
-    return np.concatenate(ends), shells
-
-
 def _check_sides(mesh: NamedMesh, elements: BoolArray, name: str) -> None:
     """Refuse a pressure on two neighbours whose top sides face different ways."""
-    ends, shells = _sides(mesh)
+    ends, shells = shell_sides(mesh.quads, mesh.trias)
     kept = elements[shells]
     ends, shells = ends[kept], shells[kept]
     _, edge, count = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
@@ -115,7 +108,7 @@ def _lines(mesh: NamedMesh, name: str) -> IntArray:
                 f"line load acts on {name!r}, which holds all corners of shell {whole[0]}, so that its edges are no "
                 "curve; expected nodes along one; name an element set of lines"
             )
-        sides, _ = _sides(mesh)
+        sides, _ = shell_sides(mesh.quads, mesh.trias)
         every = np.unique(np.sort(np.concatenate([sides, mesh.lines]), axis=1), axis=0)
         ends = every[np.isin(every, nodes).all(axis=1)]
     if not len(ends):
