@@ -1,23 +1,22 @@
-"""A tree compiled to flat tables, for streams: microseconds per reading, a fraction of one in batches.
+"""A tree compiled to flat steps, for streams: microseconds per reading; batches go the way of every prediction.
 
 Same left rule as octmip.trees.nodes.tree to the last bit, and the same sides for missing readings (NaN). Where a split
 on its way has no side for one, a reading has no result: `label` refuses it with a sentence; a batch, and every export,
 returns `REFUSED`.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, nodes, splits
+from octmip.trees.nodes.prediction import predict
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, leaves, nodes, splits
 
 REFUSED = -1
 """Result of a batch and of every export for a reading without a number where the tree asks for one."""
-BLOCK = 4096
-"""Readings routed together: their node numbers stay in the cache."""
 
 Step = tuple[tuple[int, ...], tuple[float, ...], float, int, int, int]
 """Features, coefficients, threshold, the steps left and right, and the one for missing readings (`REFUSED`: none). The
@@ -45,13 +44,7 @@ class CompiledTree:
     feature_names: tuple[str, ...]
     _steps: tuple[Step, ...] = field(init=False, repr=False)
     _labels: tuple[int, ...] = field(init=False, repr=False)
-    _features: NDArray[np.intp] = field(init=False, repr=False)
-    _coefficients: NDArray[np.float64] = field(init=False, repr=False)
-    _thresholds: NDArray[np.float64] = field(init=False, repr=False)
-    _next: NDArray[np.intp] = field(init=False, repr=False)
-    _missing: NDArray[np.intp] = field(init=False, repr=False)
-    _n_terms: NDArray[np.intp] = field(init=False, repr=False)
-    _depth: int = field(init=False, repr=False)
+    _positions: Node = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         found = splits(self.tree)
@@ -63,7 +56,12 @@ class CompiledTree:
             )
         number = {id(node): k for k, node in enumerate(nodes(self.tree))}
         self._set_steps(number)
-        self._set_tables(max((len(split.features) for split in found), default=1))
+        object.__setattr__(self, "_positions", _with_positions(self.tree, iter(range(self.n_leaves)), self.n_leaves))
+
+    @property
+    def n_leaves(self) -> int:
+        """Number of leaves."""
+        return len(leaves(self.tree))
 
     def _set_steps(self, number: dict[int, int]) -> None:
         """Set the steps of the nodes in preorder; a leaf's step has no feature."""
@@ -84,38 +82,6 @@ class CompiledTree:
         object.__setattr__(self, "_steps", tuple(steps))
         object.__setattr__(self, "_labels", tuple(labels))
 
-    def _set_tables(self, n_terms: int) -> None:
-        """Lay the steps out as arrays; the last row is where readings without a result stay."""
-        n = len(self._steps)
-        features = np.zeros((n_terms, n + 1), dtype=np.intp)
-        coefficients = np.zeros((n_terms, n + 1))
-        thresholds = np.zeros(n + 1)
-        goes = np.full((n + 1, 3), n, dtype=np.intp)  # columns: neither, left, right
-        missing = np.full(n + 1, n, dtype=np.intp)
-        for k, (terms, weights, threshold, left, right, lost) in enumerate(self._steps):
-            if not terms:
-                goes[k] = k
-                continue
-            features[: len(terms), k], coefficients[: len(terms), k] = terms, weights
-            thresholds[k] = threshold
-            goes[k, 1:] = left, right
-            missing[k] = n if lost == REFUSED else lost
-            if np.isnan(threshold):
-                goes[k, 0] = left + right - lost
-        is_axis = n_terms == 1 and all(weights in ((), (1.0,)) for _, weights, *_ in self._steps)
-        depth = _levels(self._steps)
-        tables = {
-            "_features": features,
-            "_thresholds": thresholds,
-            "_next": goes.ravel(),
-            "_missing": missing,
-            "_depth": depth,
-        }
-        tables["_n_terms"] = np.array([*(len(terms) for terms, *_ in self._steps), 0], dtype=np.intp)
-        tables["_coefficients"] = np.zeros((0, 0)) if is_axis else coefficients
-        for name, table in tables.items():
-            object.__setattr__(self, name, table)
-
     def node(self, reading: Sequence[float] | NDArray[np.float64]) -> int:
         """Return the preorder number of the leaf of one reading (n_features,).
 
@@ -129,7 +95,7 @@ class CompiledTree:
                 f"reading has {len(reading)} values; expected {len(self.feature_names)}, one for each of "
                 f"{self.feature_names[0]} to {self.feature_names[-1]}"
             )
-        if self._coefficients.size and isinstance(reading, np.ndarray):
+        if isinstance(reading, np.ndarray):
             reading = reading.tolist()  # sums of Python's floats take half the time of numpy's
         steps, k = self._steps, 0
         while True:
@@ -186,10 +152,10 @@ class CompiledTree:
             "filter, which can do without it"
         )
 
-    def leaf_nodes(self, readings: NDArray[np.float64]) -> NDArray[np.intp]:
-        """Return the preorder number of the leaf of every row of readings (n, n_features), shape (n,).
+    def leaf_index(self, readings: NDArray[np.float64]) -> NDArray[np.int64]:
+        """Return the position of the leaf of every row of readings (n, n_features), leaves from the left, shape (n,).
 
-        Rows without a result get the number of nodes, one past the last.
+        Rows without a result get the number of leaves, one past the last.
 
         Raises
         ------
@@ -201,10 +167,7 @@ class CompiledTree:
             raise DataError(
                 f"readings have shape {readings.shape}; expected (n, {len(self.feature_names)}), one column per feature"
             )
-        found = np.empty(len(readings), dtype=np.intp)
-        for first in range(0, len(readings), BLOCK):
-            found[first : first + BLOCK] = self._route(readings[first : first + BLOCK])
-        return found
+        return predict(self._positions, readings)
 
     def labels(self, readings: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the class index of every row of readings (n, n_features), `REFUSED` where there is none, shape (n,).
@@ -214,54 +177,18 @@ class CompiledTree:
         DataError
             the rows have another length.
         """
-        table = np.array([*self._labels, REFUSED], dtype=np.int64)
-        return np.asarray(table[self.leaf_nodes(readings)])
-
-    def _route(self, block: NDArray[np.float64]) -> NDArray[np.intp]:
-        flat = block.ravel()
-        first = np.arange(len(block), dtype=np.intp) * block.shape[1]
-        node = np.zeros(len(block), dtype=np.intp)
-        for _ in range(self._depth):
-            total = self._totals(flat, first, node)
-            threshold = self._thresholds.take(node)
-            # 1 left, 2 right, 0 neither: NaN is on no side
-            side = (total <= threshold).view(np.int8) + 2 * (total > threshold).view(np.int8)
-            after = self._next.take(3 * node + side)
-            if (side == 0).any():
-                rows = np.flatnonzero((side == 0) & (self._n_terms.take(node) > 0))
-                after[rows] = self._without_number(block, rows, node[rows], after[rows])
-            node = after
-        return node
-
-    def _without_number(
-        self, block: NDArray[np.float64], rows: NDArray[np.intp], node: NDArray[np.intp], after: NDArray[np.intp]
-    ) -> NDArray[np.intp]:
-        """Return the nodes after `node` for rows on neither side of a threshold: `after` unless they lack a reading."""
-        n_terms = self._n_terms.take(node)
-        lacks = np.zeros(len(rows), dtype=bool)
-        for k, features in enumerate(self._features):
-            lacks |= (k < n_terms) & np.isnan(block[rows, features.take(node)])
-        adds = (n_terms > 1) & ~np.isnan(self._thresholds.take(node))  # infinity minus infinity goes right
-        return np.where(lacks, self._missing.take(node), np.where(adds, self._next.take(3 * node + 2), after))
-
-    def _totals(
-        self, flat: NDArray[np.float64], first: NDArray[np.intp], node: NDArray[np.intp]
-    ) -> NDArray[np.float64]:
-        if not self._coefficients.size:
-            return np.asarray(flat.take(first + self._features[0].take(node)))
-        total = np.zeros(len(node))
-        for features, coefficients in zip(self._features, self._coefficients, strict=True):
-            weight = coefficients.take(node)
-            with np.errstate(over="ignore", invalid="ignore"):  # beyond float64 is inf, as in `node`
-                term = weight * flat.take(first + features.take(node))
-                total += np.where(weight == 0.0, 0.0, term)  # a padded term may stand on a missing reading
-        return total
+        table = np.array([*(leaf.label for leaf in leaves(self.tree)), REFUSED], dtype=np.int64)
+        return np.asarray(table[self.leaf_index(readings)])
 
 
-def _levels(steps: Sequence[Step]) -> int:
-    """Return the number of splits on the longest way."""
-    level = [0] * len(steps)
-    for k, (terms, _, _, left, right, _) in enumerate(steps):  # preorder: a node stands before its children
-        if terms:
-            level[left] = level[right] = level[k] + 1
-    return max(level)
+def _with_positions(node: Node, positions: Iterator[int], refused: int) -> Node:
+    """Return a tree whose leaves have their positions for labels, and a leaf `refused` where a split has no side."""
+    if isinstance(node, Leaf):
+        return Leaf(next(positions))
+    left, right = (_with_positions(side, positions, refused) for side in (node.left, node.right))
+    if node.missing is not None:
+        return replace(node, left=left, right=right)
+    asked: Node = replace(node, left=left, right=right, missing="right")
+    for feature in node.features:
+        asked = Split(feature, None, Leaf(refused), asked, missing="left")
+    return asked

@@ -19,7 +19,7 @@ from octmip.errors import DataError
 from octmip.input.named_arrays import by_name
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.library import Applied, Library
-from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, nodes
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node
 from octmip.trees.uncertainty import smoothed_shares
 
 Floats = NDArray[np.float64]
@@ -63,18 +63,15 @@ class LeafLikelihood:
     n_draws: int = DRAWS
     seed: int = 0
     _compiled: CompiledTree = field(init=False, repr=False)
-    _leaf_of_node: NDArray[np.int64] = field(init=False, repr=False)
     _tables: dict[int, Floats] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self._compiled = CompiledTree(self.tree, self.library.gauges)
-        is_leaf = np.array([isinstance(node, Leaf) for node in nodes(self.tree)])
-        self._leaf_of_node = np.where(is_leaf, np.cumsum(is_leaf) - 1, -1)
 
     @property
     def n_leaves(self) -> int:
         """Number of leaves."""
-        return int(self._leaf_of_node.max()) + 1
+        return self._compiled.n_leaves
 
     def table(self, load_factor: Applied) -> Floats:
         """Return P(leaf | state), shape (n_leaves, n_states), at a load; leaves from the left."""
@@ -101,10 +98,10 @@ class LeafLikelihood:
         DataError
             the rows have another length.
         """
-        at = self._compiled.leaf_nodes(features)
-        is_known = at < len(self._leaf_of_node)
+        at = self._compiled.leaf_index(features)
+        is_known = at < self.n_leaves
         found = np.zeros((len(features), self.n_leaves), dtype=bool)
-        found[np.flatnonzero(is_known), self._leaf_of_node[at[is_known]]] = True
+        found[np.flatnonzero(is_known), at[is_known]] = True
         rows = np.flatnonzero(~is_known)
         if rows.size:
             found[rows] = _open_leaves(self.tree, features[rows])
@@ -121,8 +118,7 @@ class LeafLikelihood:
             for k in range(len(library.parameters)):
                 features = features + offset[:, k, None] * library.slopes[states, k]
             features += rng.standard_normal(features.shape) * (library.noise_sd / load)
-            leaf = self._leaf_of_node[self._compiled.leaf_nodes(features)]
-            np.add.at(counts, (states, leaf), 1.0)
+            np.add.at(counts, (states, self._compiled.leaf_index(features)), 1.0)
         return smoothed_shares(counts, HALF_DRAW).T
 
 
