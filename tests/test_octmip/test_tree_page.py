@@ -25,9 +25,9 @@ from octmip.formats.tree_file import TreeFile, record_tree
 from octmip.input.names import html_text
 from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.page import Masthead
-from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
 from octmip.interfaces.report.tree.evidence import gather, judged_by
+from octmip.interfaces.report.tree.measure import measure_of
 from octmip.interfaces.report.tree.words import Wording, compact, figure, listed, percent, question
 from octmip.trees.nodes.tree import leaf_index, leaves
 from octmip.trees.tradeoff.held_out import Samples

@@ -12,9 +12,9 @@ from octmip import AbsoluteError, Problem, QuantileError, SearchOptions, Split, 
 from octmip.formats.tree_file import record_tree
 from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.page import Masthead
-from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.drawing import draw_tree
 from octmip.interfaces.report.tree.evidence import gather, judged_by
+from octmip.interfaces.report.tree.measure import measure_of
 from octmip.interfaces.report.tree.words import Wording, figure
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.question.losses import Loss

@@ -151,7 +151,7 @@ def _drawing(
     arguments: argparse.Namespace, kind: str, file: TreeFile, evidence: "Evidence | None", units: dict[str, str]
 ) -> bytes:
     from octmip.interfaces.plot import counted_tree_figure  # needs the extra "plot", which words do not
-    from octmip.interfaces.report.tree.contents import measure_of
+    from octmip.interfaces.report.tree.measure import measure_of
     from octmip.interfaces.report.tree.seen import Seen
     from octmip.interfaces.report.tree.words import Wording
 
@@ -179,7 +179,7 @@ def _tree(file: TreeFile) -> str:
 
 def _beside(file: TreeFile, evidence: "Evidence") -> list[str]:
     """Return what the data say about this tree and the greedy one, a line each, and the verdict."""
-    from octmip.interfaces.report.tree.contents import measure_of
+    from octmip.interfaces.report.tree.measure import measure_of
 
     measure, held, greedy = measure_of(file), evidence.held_out, evidence.greedy.tree
     lines = [f"recounted on {evidence.problem.samples.n_samples} samples: every claim holds"]

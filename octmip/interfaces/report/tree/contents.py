@@ -12,9 +12,7 @@ from octmip.interfaces.report.tree.drawing import draw_tree
 from octmip.interfaces.report.tree.embedded import node_data, sample_data
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.goodness import comparison, depth_words, quality
-from octmip.interfaces.report.tree.measure import Measure
-from octmip.interfaces.report.tree.of_classes import OfClasses
-from octmip.interfaces.report.tree.of_numbers import OfNumbers
+from octmip.interfaces.report.tree.measure import Measure, measure_of
 from octmip.interfaces.report.tree.proof import certificate_words
 from octmip.interfaces.report.tree.seen import Seen
 from octmip.interfaces.report.tree.settings import reads, risk, settings_rows
@@ -70,11 +68,6 @@ def page_contents(
         "data": _data(file, measure, evidence, wording),
     }
     return page | _depths(evidence, measure)
-
-
-def measure_of(file: TreeFile) -> Measure:
-    """Return what the tree of a file is judged by."""
-    return OfClasses.of(file) if file.loss.predicts == "class" else OfNumbers(file)
 
 
 def _greedy_svg(evidence: Evidence | None, measure: Measure, wording: Wording, histograms: bool) -> str:

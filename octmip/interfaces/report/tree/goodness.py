@@ -4,9 +4,9 @@ from typing import Any
 
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import DepthPoint, Evidence
-from octmip.interfaces.report.tree.measure import Measure, differs
+from octmip.interfaces.report.tree.measure import Measure
 from octmip.interfaces.report.tree.summary import expected_errors, way_on
-from octmip.interfaces.report.tree.words import Wording, counted, figure
+from octmip.interfaces.report.tree.words import Wording, counted, differs, figure
 from octmip.trees.nodes.tree import Node, depth, features_used, n_splits
 
 

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.curve import roc_curve
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
-from octmip.interfaces.report.tree.measure import Card, Measure, differs
 from octmip.interfaces.report.tree.words import (
+    Card,
     Wording,
     compact,
     counted,
+    differs,
     figure,
     listed,
     percent,
@@ -23,7 +24,7 @@ from octmip.interfaces.report.tree.words import (
     short_names,
 )
 from octmip.trees.nodes.tree import Leaf, Node, leaves, predict
-from octmip.trees.tradeoff.held_out import Ranking, balanced_accuracy, recall_precision, score
+from octmip.trees.tradeoff.held_out import Ranking, Score, balanced_accuracy, recall_precision, score
 
 MOST_CLASSES = 30
 """Classes that a table of confusions has room for."""
@@ -34,12 +35,27 @@ FEW = 100
 
 
 @dataclass(frozen=True, slots=True)
-class OfClasses(Measure):
-    """The words about classes; whether the objective is the number of errors."""
+class OfClasses:
+    """The words and tables about a tree of classes.
+
+    Attributes
+    ----------
+    kicker
+        what kind of tree it is.
+    detail_heading
+        heading of the tables that say how the tree goes wrong.
+    leaf_column
+        head of the table of leaves, behind answer, samples and share.
+    file
+        the tree and its claims.
+    is_errors
+        whether the objective is the number of errors.
+    """
 
     kicker = "Classification tree"
     detail_heading = "Which classes the tree confuses"
     leaf_column = "wrong"
+    file: TreeFile
     is_errors: bool
 
     @classmethod
@@ -221,6 +237,10 @@ class OfClasses(Measure):
         codes = evidence.problem.samples.codes[list(rows)].tolist()
         names = self.legend()
         return [[names[code], int(code != label)] for code in codes]
+
+    def on_new_samples(self, found: Score) -> str:
+        """Return what was lost on samples held out."""
+        return self.file.loss.words_of(found.measures, found.n_samples)
 
     def line(self, evidence: Evidence, tree: Node, held: HeldOut | None = None) -> str:
         """Return how many samples are wrong, and of the training the objective."""

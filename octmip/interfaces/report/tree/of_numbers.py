@@ -7,9 +7,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
-from octmip.interfaces.report.tree.measure import Card, Measure, differs
-from octmip.interfaces.report.tree.words import MINUS, Wording, answered, compact, counted, figure, short_name
+from octmip.interfaces.report.tree.words import (
+    MINUS,
+    Card,
+    Wording,
+    answered,
+    compact,
+    counted,
+    differs,
+    figure,
+    short_name,
+)
 from octmip.trees.nodes.tree import Leaf, Node, ValueLeaf, leaf_index, leaves, predict_values
 from octmip.trees.tradeoff.held_out import Score, score
 
@@ -21,12 +31,13 @@ MEASURES = {"mae": "mean absolute error", "rmse": "root of the mean squared erro
 
 
 @dataclass(frozen=True, slots=True)
-class OfNumbers(Measure):
-    """The words about numbers."""
+class OfNumbers:
+    """The words and tables about a tree of numbers; attributes as those of `OfClasses`."""
 
     kicker = "Regression tree"
     detail_heading = "How far off it is"
     leaf_column = "off by, on average"
+    file: TreeFile
 
     @property
     def noun(self) -> str:
@@ -60,6 +71,18 @@ class OfNumbers(Measure):
     def is_worse(self, difference: float) -> str:
         """Return by how much a tree is worse, as a predicate."""
         return f"adds {figure(difference)} to the {self.noun}"
+
+    def least(self, bound: float) -> float:
+        """Return the least objective that a bound leaves open."""
+        return bound
+
+    def none(self) -> str:
+        """Return what is left when the objective is 0."""
+        return f"no {self.noun}"
+
+    def difference(self, value: float) -> str:
+        """Return a difference of objectives, for a card."""
+        return figure(value)
 
     def answers(self) -> str:
         """Return what is estimated."""
@@ -123,6 +146,14 @@ class OfNumbers(Measure):
         first = [f"{self._error} per held-out sample", *each, differs(costs[1] - costs[0])]
         return [first, *_rows(scores, "held out")]
 
+    def recounted(self) -> str:
+        """Return what a recount gives beside the objective: that says all."""
+        return ""
+
+    def legend(self) -> list[str]:
+        """Return the names of the colours in the drawing: they say nothing."""
+        return []
+
     @property
     def leaf_note(self) -> str:
         """What a leaf shows."""
@@ -162,6 +193,10 @@ class OfNumbers(Measure):
     def answer(self, leaf: Leaf, wording: Wording) -> str:
         """Return the number, or the sum of a linear leaf."""
         return value_words(leaf, wording, self.file.target_column)
+
+    def risk(self) -> dict[str, Any]:
+        """Return how errors are weighed: all alike."""
+        return {"sentences": [], "rows": []}
 
     def settings(self) -> list[tuple[str, str | None]]:
         """Return the column of the target, the loss, and what a leaf holds."""

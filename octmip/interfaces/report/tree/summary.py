@@ -7,8 +7,8 @@ from typing import Any
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.new_rows import choice_of
 from octmip.interfaces.report.tree.evidence import Evidence
-from octmip.interfaces.report.tree.measure import Card, Measure
-from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name, short_names
+from octmip.interfaces.report.tree.measure import Measure
+from octmip.interfaces.report.tree.words import Card, Wording, counted, figure, listed, percent, short_name, short_names
 from octmip.trees.answer.scope import depth_in_words
 from octmip.trees.answer.solution import Stop
 from octmip.trees.nodes.tree import depth, features_used

@@ -19,6 +19,8 @@ LONGEST_NAME = 80
 """Characters of a name on the page; the tree in words has it whole."""
 ROOM = 208
 """Longest line of a box [px]."""
+Card = tuple[Any, ...]
+"""A key figure: its name, the figure, words below it, and its style where it has one."""
 
 
 def figure(value: float | None, digits: int = DIGITS) -> str:
@@ -64,6 +66,11 @@ def answered(value: float) -> str:
     """Return the number of a leaf, whole to twelve digits, which prices are; a longer one, as means are, is cut."""
     text = number(value)
     return text if sum(character.isdigit() for character in text) <= MOST_DIGITS else f"≈ {figure(value, DIGITS + 3)}"
+
+
+def differs(value: float) -> str:
+    """Return a difference of two trees as a cell of a table."""
+    return "nothing" if value == 0 else f"{figure(value, 4)}" if value > 0 else f"{figure(value, 4)} (better)"
 
 
 def percent(share: float) -> str:
