@@ -17,7 +17,8 @@ from octmip import Problem
 from octmip.trees.answer.solution import Limits
 from octmip.trees.nodes.tree import leaves, predict
 from octmip.trees.runs.registry import Run
-from octmip.trees.tradeoff import baselines_of, solve_default
+from octmip.trees.tradeoff.baselines import baselines_of
+from octmip.trees.tradeoff.default import solve_default
 
 HEADER = ("label", "model", "errors train %", "errors test %", "MAE train", "MAE test")
 

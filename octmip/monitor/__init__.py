@@ -1,8 +1,8 @@
 """The tree at work: which state the asset is in, how sure that is, and whether the library still knows the asset."""
 
 from octmip.monitor.belief import Belief
-from octmip.monitor.candidates import Candidate, effect_candidates, gauge_candidates, state_candidates
-from octmip.monitor.compiled import REFUSED, CompiledTree
+from octmip.monitor.candidates import Candidate, effect_candidates
+from octmip.monitor.compiled import REFUSED
 from octmip.monitor.filter import Filter, learnt_rates
 from octmip.monitor.finding import Finding, Proposal, explain
 from octmip.monitor.forecast import Forecast, remaining_life
@@ -14,14 +14,13 @@ from octmip.monitor.selector import ModelSelector, ParameterTree, Selection
 from octmip.monitor.series import Series
 from octmip.monitor.stream import Monitor, Refusal, Result
 from octmip.monitor.surprise import leaf_p_value
-from octmip.monitor.watch import MonitorState, Watch
+from octmip.monitor.watch import Watch
 
 __all__ = [
     "REFUSED",
     "Action",
     "Belief",
     "Candidate",
-    "CompiledTree",
     "Filter",
     "Finding",
     "Forecast",
@@ -30,7 +29,6 @@ __all__ = [
     "Library",
     "ModelSelector",
     "Monitor",
-    "MonitorState",
     "ParameterTree",
     "Planner",
     "Proposal",
@@ -41,12 +39,10 @@ __all__ = [
     "Watch",
     "effect_candidates",
     "explain",
-    "gauge_candidates",
     "grid_states",
     "leaf_p_value",
     "learnt_rates",
     "library_of",
     "remaining_life",
-    "state_candidates",
     "steady_growth",
 ]

@@ -49,12 +49,7 @@ class Candidate:
 
 
 def gauge_candidates(library: Library) -> tuple[Candidate, ...]:
-    """Return one candidate per gauge: it reads too much or too little, by the same at every load.
-
-    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2"), [[100, 200], [150, 200]], noise_sd=10.0)
-    >>> [one.name for one in gauge_candidates(library)]
-    ['g1', 'g2']
-    """
+    """Return one candidate per gauge: it reads too much or too little, by the same at every load."""
     return tuple(
         Candidate(gauge, "gauge", row, GAUGE_SIZES, "standard deviations", 0)
         for gauge, row in zip(library.gauges, np.diag(library.noise_sd), strict=True)
@@ -103,15 +98,6 @@ def state_candidates(twin: Twin, library: Library) -> tuple[Candidate, ...]:
 
     The library's other parameters are 0 in them. Readings are not linear in a damage, so each parameter has one
     candidate for each level, of its own signature.
-
-    >>> from octmip.gap import function_twin
-    >>> twin = function_twin(
-    ...     lambda own, loads: [loads["force"] * (100 + 50 * own["hole"])],
-    ...     {"g1": "um/m"}, loads=["force"], states=["hole"], linear=True,
-    ... )
-    >>> library = Library((), np.zeros((1, 0)), ("g1",), [[100]], 10.0)
-    >>> [(one.name, one.sizes) for one in state_candidates(twin, library)][:2]
-    [('hole', (20.0,)), ('hole', (40.0,))]
     """
     names = state_parameters(twin)
     load, factor = library.asked_at

@@ -33,11 +33,6 @@ class CompiledTree:
         the tree.
     feature_names
         (n_features,) names in the order of a reading.
-
-    Examples
-    --------
-    >>> CompiledTree(Split(0, 125.0, Leaf(0), Leaf(1)), ("g1", "g2")).labels(np.array([[100, 0], [150, 0]])).tolist()
-    [0, 1]
     """
 
     tree: Node

@@ -65,14 +65,6 @@ class MonitorState:
         (n,) of the last reading: how often a reading of the library is as far off or farther.
     log_e
         (n,) log E; is_alarm: (n,) whether E has ever reached 1 / rate.
-
-    Examples
-    --------
-    >>> library = Library(("crack",), [[0.0], [0.4]], ("g1", "g2", "g3"), [[100, 200, 300], [150, 200, 300]], 10.0)
-    >>> watch = Watch(library, horizon=10, largest_load=1.0)
-    >>> seen = watch.observe(watch.start(), np.array([[100.0, 200.0, 400.0]]), 1.0)  # g3 reads too much
-    >>> seen.n_seen, seen.is_alarm.tolist()
-    (1, [True])
     """
 
     n_seen: int

@@ -25,8 +25,8 @@ from octmip.monitor import (
     ParameterTree,
     Watch,
     explain,
-    state_candidates,
 )
+from octmip.monitor.candidates import state_candidates
 from octmip.monitor.library import Applied, default_levels
 from octmip.monitor.stream import Result
 from octmip.sensing.monitor_design import MonitorDesign, design_monitor

@@ -19,7 +19,7 @@ from octmip.trees.question.losses import AbsoluteError, ClassCosts
 from octmip.trees.runs import drawn_rows
 from octmip.trees.runs.registry import Run
 from octmip.trees.solver import solve_run
-from octmip.trees.tradeoff import solve_default
+from octmip.trees.tradeoff.default import solve_default
 
 
 class Clock:

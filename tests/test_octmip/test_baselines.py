@@ -12,8 +12,8 @@ from octmip.errors import ProblemError
 from octmip.interfaces.cli.answer import score_json
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.nodes.tree import leaf_index
-from octmip.trees.tradeoff import baselines_of, score_of
-from octmip.trees.tradeoff.held_out import Samples, beside_cart, held_out_rows, score
+from octmip.trees.tradeoff.baselines import baselines_of
+from octmip.trees.tradeoff.held_out import Samples, beside_cart, held_out_rows, score, score_of
 
 X, Y = load_iris(return_X_y=True)
 IRIS = Problem(X, Y, depth=1)

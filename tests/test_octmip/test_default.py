@@ -19,9 +19,9 @@ from octmip.trees.nodes.tree import Leaf, Node, depth, n_splits, predict
 from octmip.trees.runs.registry import Run
 from octmip.trees.tradeoff import choice as choice_module
 from octmip.trees.tradeoff import default as default_module
-from octmip.trees.tradeoff import default_families, solve_default
 from octmip.trees.tradeoff.choice import RULES
-from octmip.trees.tradeoff.family import trace_families
+from octmip.trees.tradeoff.default import solve_default
+from octmip.trees.tradeoff.family import default_families, trace_families
 from octmip.trees.tradeoff.repeats import counted
 from octmip.trees.tradeoff.sample import FEWEST_ROWS, sampled
 from octmip.trees.tradeoff.validation import Judged, Nearness

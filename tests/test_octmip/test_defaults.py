@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from octmip import Limits, Options
-from octmip.trees.runs.registry import REGISTRY
+from octmip.trees.runs.registry import REGISTRY, Run
 
 PACKAGES = ("octmip", "octmip.formats.columns", "octmip.monitor", "octmip.sensing", "femlib.rom")
 PACKAGES += tuple(f"octmip.trees.{name}" for name in ("question.losses", "near_sets", "tradeoff", "uncertainty"))
@@ -53,6 +53,7 @@ EVERYWHERE = {
     "rate": 0.01,
     "ridge": 1e-3,
     "rule": "least",
+    "run": Run(),
     "seconds": math.inf,
     "seed": 0,
     "smoothing": "out-of-fold",

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from octmip.errors import TreeError
-from octmip.monitor import CompiledTree
+from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.export import c_source, onnx_model, sql_expression
 from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, leaves, predict
 from tests.oracles.export_runs import C_FLAGS, EXACT, REFUSED, run_c, run_onnx, run_sql

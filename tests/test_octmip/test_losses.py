@@ -10,7 +10,7 @@ from octmip.errors import ProblemError
 from octmip.sensing.sensor_sets import shared_budget
 from octmip.trees.question.losses import SPELLINGS, ClassCosts, exact_sums, loss_of, number_loss
 from octmip.trees.runs.registry import lacked
-from octmip.trees.tradeoff import leaves_on_fresh_rows
+from octmip.trees.tradeoff.leaf_shares import leaves_on_fresh_rows
 
 LOSSES = {
     "classes": ClassCosts(),

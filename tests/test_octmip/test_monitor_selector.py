@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from octmip.errors import DataError, ProblemError, TreeError
 from octmip.monitor import (
     REFUSED,
-    CompiledTree,
     LeafLikelihood,
     Library,
     ModelSelector,
@@ -17,6 +16,7 @@ from octmip.monitor import (
     grid_states,
     library_of,
 )
+from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.library import default_levels
 from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
 from tests.oracles.strategies import random_tree, trees

@@ -13,10 +13,10 @@ from octmip.monitor import (
     Watch,
     effect_candidates,
     explain,
-    gauge_candidates,
     grid_states,
     library_of,
 )
+from octmip.monitor.candidates import gauge_candidates
 from octmip.monitor.parity import Parity
 from octmip.trees.nodes.tree import Leaf
 from tests.test_octmip.beam_twin import ETA, Field

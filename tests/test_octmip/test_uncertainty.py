@@ -8,7 +8,8 @@ import pytest
 from octmip import Leaf, OptimalTreeClassifier, Problem, Split, solve
 from octmip.errors import ProblemError
 from octmip.trees.answer.solution import Stop
-from octmip.trees.tradeoff import leaf_shares, leaves_on_fresh_rows
+from octmip.trees.tradeoff import leaf_shares
+from octmip.trees.tradeoff.leaf_shares import leaves_on_fresh_rows
 from octmip.trees.uncertainty import LeafDistribution, posterior, smoothed_shares
 from octmip.trees.uncertainty.leaf_distribution import corrected_shares, fitted_line
 

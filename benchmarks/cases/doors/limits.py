@@ -17,7 +17,7 @@ from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.answer.solution import Limits, Solution
 from octmip.trees.runs.registry import Run
 from octmip.trees.solver import solve_run
-from octmip.trees.tradeoff import solve_default
+from octmip.trees.tradeoff.default import solve_default
 
 SHAPES: Mapping[str, tuple[int, int, int, int]] = {
     "1,000,000 rows": (10**6, 10, 2, 0),

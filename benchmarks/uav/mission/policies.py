@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from benchmarks.uav.mission.aircraft import CHANGE, CRITICAL, RATES, WEAR, Aircraft
 from benchmarks.uav.mission.capable import Capable, chance_of_failing
 from benchmarks.uav.mission.course_plan import LOADS, cell_points, course_plan, place_of
-from octmip.monitor import Belief, Filter, Library, MonitorState, Planner, Watch, explain, steady_growth
+from octmip.monitor import Belief, Filter, Library, Planner, Watch, explain, steady_growth
+from octmip.monitor.watch import MonitorState
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -14,7 +14,7 @@ Source: Twala, Jones & Hand (2008), "Good methods for coping with missing data i
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from itertools import combinations
 from typing import Any, Literal, Self
@@ -282,18 +282,8 @@ class Column:
 
     def to_json(self) -> dict[str, Any]:
         """Return the column as a JSON object."""
-        return {
-            "column": self.name,
-            "kind": self.kind,
-            "has_missing": self.has_missing,
-            "least": self.least,
-            "most": self.most,
-            "values": list(self.values),
-            "is_doubled": self.is_doubled,
-            "form": self.form,
-            "zone": self.zone,
-            "stored": self.stored,
-        }
+        content = asdict(self)
+        return {"column": content.pop("name"), **content, "values": list(self.values)}
 
     @classmethod
     def from_json(cls, content: object) -> Self:
@@ -313,15 +303,4 @@ class Column:
             raise DataError(f"column {shown(taken['column'])}: texts have values, numbers none; write the file anew")
         if taken["kind"] == "subsets" and len(taken["values"]) + taken["has_missing"] > MOST_LEVELS:
             raise DataError(f"column {shown(taken['column'])}: sets are made of {MOST_LEVELS} texts at most")
-        return cls(
-            taken["column"],
-            taken["kind"],
-            taken["has_missing"],
-            taken["least"],
-            taken["most"],
-            tuple(taken["values"]),
-            taken["is_doubled"],
-            taken["form"],
-            taken["zone"],
-            taken["stored"],
-        )
+        return cls(taken.pop("column"), **{**taken, "values": tuple(taken["values"])})

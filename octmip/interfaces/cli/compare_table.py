@@ -22,7 +22,9 @@ from octmip.trees.methods.options import METHODS
 from octmip.trees.question.problem import Problem
 from octmip.trees.runs.registry import chosen_method, read_options, taken
 from octmip.trees.solver import solve
-from octmip.trees.tradeoff import baselines_of, score, score_of
+from octmip.trees.tradeoff import score
+from octmip.trees.tradeoff.baselines import baselines_of
+from octmip.trees.tradeoff.held_out import score_of
 
 OF_CLASSES = {"balanced accuracy": "balanced_accuracy", "AUROC": "mean_auroc"}
 """Columns of classes on rows held out, each with its entry of the score."""

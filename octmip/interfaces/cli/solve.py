@@ -43,7 +43,9 @@ from octmip.trees.question.problem import Problem
 from octmip.trees.question.problem_file import write_problem_file
 from octmip.trees.runs.registry import Run
 from octmip.trees.solver import solve
-from octmip.trees.tradeoff import Comparison, beside_cart, solve_default
+from octmip.trees.tradeoff import Comparison
+from octmip.trees.tradeoff.default import solve_default
+from octmip.trees.tradeoff.held_out import beside_cart
 
 MOST_SECONDS = 60.0
 """Of a choice, where no --seconds are given."""

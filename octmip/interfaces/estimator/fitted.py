@@ -42,7 +42,8 @@ from octmip.trees.question.shape import splits_of
 from octmip.trees.runs.drawn_rows import search_seconds
 from octmip.trees.runs.registry import Run
 from octmip.trees.solver import solve_run
-from octmip.trees.tradeoff import Choice, solve_default
+from octmip.trees.tradeoff import Choice
+from octmip.trees.tradeoff.default import solve_default
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

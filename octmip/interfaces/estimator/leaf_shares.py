@@ -10,7 +10,7 @@ from typing import Literal
 
 from octmip.trees.nodes.tree import Node
 from octmip.trees.question.problem import Problem
-from octmip.trees.tradeoff import leaves_on_fresh_rows
+from octmip.trees.tradeoff.leaf_shares import leaves_on_fresh_rows
 from octmip.trees.uncertainty import LeafDistribution
 
 Smoothing = float | Literal["out-of-fold"]

@@ -14,57 +14,25 @@ choice     kind, depth and leaf penalty by cross-validation over those paths
 default    the answer to whoever names no depth
 """
 
-from octmip.trees.tradeoff.baselines import baselines_of
-from octmip.trees.tradeoff.choice import RULES, Choice, Rule, choose_default, choose_tree
-from octmip.trees.tradeoff.default import DefaultAnswer, solve_default
-from octmip.trees.tradeoff.family import Family, default_families
-from octmip.trees.tradeoff.frontier import OVERS, Over, Point, default_values, trace_frontier
-from octmip.trees.tradeoff.held_out import (
-    Comparison,
-    Samples,
-    Score,
-    beside_cart,
-    held_out_rows,
-    score,
-    score_of,
-    strata_of,
-)
-from octmip.trees.tradeoff.leaf_shares import leaves_on_fresh_rows
+from octmip.trees.tradeoff.choice import Choice, choose_tree
+from octmip.trees.tradeoff.frontier import Point, trace_frontier
+from octmip.trees.tradeoff.held_out import Comparison, Samples, Score, score
 from octmip.trees.tradeoff.path import PathTree, PenaltyPath, trace_path
 from octmip.trees.tradeoff.risk import RiskPoint, trace_risk_frontier
 from octmip.trees.tradeoff.steps import Step
-from octmip.trees.tradeoff.validation import Expectation, Expected
 
 __all__ = [
-    "OVERS",
-    "RULES",
     "Choice",
     "Comparison",
-    "DefaultAnswer",
-    "Expectation",
-    "Expected",
-    "Family",
-    "Over",
     "PathTree",
     "PenaltyPath",
     "Point",
     "RiskPoint",
-    "Rule",
     "Samples",
     "Score",
     "Step",
-    "baselines_of",
-    "beside_cart",
-    "choose_default",
     "choose_tree",
-    "default_families",
-    "default_values",
-    "held_out_rows",
-    "leaves_on_fresh_rows",
     "score",
-    "score_of",
-    "solve_default",
-    "strata_of",
     "trace_frontier",
     "trace_path",
     "trace_risk_frontier",

@@ -12,7 +12,7 @@ from octmip.interfaces.cli.options import frontier as options
 from octmip.interfaces.cli.program import COMMANDS
 from octmip.trees.answer.solution import Progress
 from octmip.trees.methods.options import all_options
-from octmip.trees.tradeoff import OVERS
+from octmip.trees.tradeoff.frontier import OVERS
 
 
 def test_an_unknown_command_hints_at_the_near_one(run):

@@ -35,7 +35,8 @@ from octmip.trees.question.losses import ClassCosts, Loss, NumberLoss, number_lo
 from octmip.trees.question.problem import Problem
 from octmip.trees.question.shape import splits_of
 from octmip.trees.runs.registry import CAPABILITIES, lacked
-from octmip.trees.tradeoff import Samples, Score, held_out_rows, strata_of
+from octmip.trees.tradeoff import Samples, Score
+from octmip.trees.tradeoff.held_out import held_out_rows, strata_of
 
 FEWEST_COUNTED = 20
 """Rows of a table from which on a column that goes up by one is taken for their number."""

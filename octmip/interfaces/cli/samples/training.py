@@ -14,7 +14,8 @@ from octmip.formats.table.preparation import kept_rows
 from octmip.formats.tree_file import TreeFile
 from octmip.trees.question.classes import codes_of
 from octmip.trees.question.problem import Problem
-from octmip.trees.tradeoff import Samples, held_out_rows, strata_of
+from octmip.trees.tradeoff import Samples
+from octmip.trees.tradeoff.held_out import held_out_rows, strata_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
