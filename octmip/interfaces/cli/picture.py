@@ -32,8 +32,13 @@ def check_picture(path: str | None) -> None:
     importlib.import_module("octmip.interfaces.plot")
 
 
+def picture_bytes(figure: "Figure", ending: str) -> bytes:
+    """Return a figure as a file of the format that an ending of `PICTURES` names."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format=ending[1:], dpi=DOTS_PER_INCH)
+    return buffer.getvalue()
+
+
 def write_picture(path: PathLike, figure: "Figure") -> None:
     """Write a figure in the format that its name ends in, whole or not at all."""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format=Path(path).suffix[1:], dpi=DOTS_PER_INCH)
-    write_bytes(path, buffer.getvalue())
+    write_bytes(path, picture_bytes(figure, Path(path).suffix))

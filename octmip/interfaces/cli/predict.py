@@ -12,15 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns import Columns, ColumnsError
-from octmip.formats.columns.column import Column
 from octmip.formats.table import Table, read_table
-from octmip.formats.tree_file import TreeFile, columns_read, read_tree_file
+from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.input.files import write_bytes
 from octmip.input.names import visible, visible_lines
 from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.samples.names import one_name
-from octmip.interfaces.cli.samples.training import targets_of
+from octmip.interfaces.cli.samples.training import columns_of, features_of, targets_of
 from octmip.trees.answer.certificate import shares_in_leaves
 from octmip.trees.nodes.tree import leaf_index, leaves, predict_values
 from octmip.trees.question.classes import codes_of
@@ -39,7 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
     trained = None if file.preparation is None else file.preparation.index
     table = read_table(arguments.data, as_text=arguments.index or trained)
     table.refuse_other_units(file.readings.units)
-    features = _features(file, table)
+    features = features_of(file, table, are_all=False)
     reached = leaf_index(file.tree, features)
     predicted = _predicted(file, features, reached)
     predictions = predicted.tolist() if not file.class_names else [file.class_names[code] for code in predicted]
@@ -70,35 +68,6 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _read_columns(file: TreeFile) -> Columns | None:
-    """Return how the columns that the tree reads become features; None where every feature is its column."""
-    read = set(columns_read(file))
-    if file.preparation is None:
-        names = [name for name in file.feature_names if name in read]
-        return (
-            Columns(tuple(Column(name, "number", True) for name in names)) if file.settings["takes_missing"] else None
-        )
-    columns = file.preparation.columns
-    names = [feature.column for feature in columns.features if feature.name in read]
-    return Columns(tuple(column for column in columns.columns if column.name in names))
-
-
-def _features(file: TreeFile, table: Table) -> NDArray[np.float64]:
-    """Return the features that the tree reads, in their places among all (the others 0: no split looks there)."""
-    features = np.zeros((len(table.frame), len(file.feature_names)))
-    columns = _read_columns(file)
-    if columns is None:
-        for name in columns_read(file):
-            features[:, file.feature_names.index(name)] = table.numbers([name])[:, 0]
-    elif columns.columns:
-        places = [file.feature_names.index(name) for name in columns.feature_names]
-        try:
-            features[:, places] = columns.encode(table.frame, takes_missing=file.settings["takes_missing"])
-        except ColumnsError as error:
-            raise DataError(f"{table.name}: {error}") from error
-    return features
-
-
 def _missing(features: NDArray[np.float64]) -> tuple[str, ...]:
     """Return a sentence about readings that are missing; none where none is."""
     is_missing = np.isnan(features)
@@ -112,8 +81,7 @@ def _missing(features: NDArray[np.float64]) -> tuple[str, ...]:
 
 
 def _unseen(file: TreeFile, table: Table) -> Sequence[str]:
-    columns = _read_columns(file)
-    return () if columns is None else columns.unseen(table.frame)
+    return () if file.preparation is None else columns_of(file, are_all=False).unseen(table.frame)
 
 
 def _index(option: str | None, file: TreeFile, table: Table) -> tuple[str, list[str]] | None:

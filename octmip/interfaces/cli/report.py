@@ -1,7 +1,6 @@
 """Show a tree file or write it as a page: `octmip.interfaces.cli.options.report` says how the command is called."""
 
 import argparse
-import io
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +13,7 @@ from octmip.input.names import visible
 from octmip.interfaces.cli.answer import printable, verdict
 from octmip.interfaces.cli.options.page import masthead_of, units_of_options
 from octmip.interfaces.cli.options.report import EXPORTS, KINDS
+from octmip.interfaces.cli.picture import PICTURES, picture_bytes
 from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.markdown import code_block, markdown_table
 from octmip.interfaces.report.text import number, percent, tree_text
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from octmip.interfaces.report.tree.evidence import Evidence
 
 GREEDY = "greedy tree"
-PICTURES = (".svg", ".png", ".pdf")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -159,9 +158,7 @@ def _drawing(
     seen = Seen.of(evidence.problem, file.tree, arguments.histograms) if evidence else None
     answer = measure_of(file).answer
     figure = counted_tree_figure(file.tree, wording, file.leaf_counts, answer=answer, seen=seen, dark=arguments.dark)
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format=kind[1:], dpi=150)
-    return buffer.getvalue()
+    return picture_bytes(figure, kind)
 
 
 def _words(file: TreeFile, evidence: "Evidence | None") -> str:

@@ -11,7 +11,7 @@ from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.columns.column import Column
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.preparation import kept_rows
-from octmip.formats.tree_file import TreeFile
+from octmip.formats.tree_file import TreeFile, columns_read
 from octmip.trees.question.classes import codes_of
 from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff import Samples
@@ -49,22 +49,41 @@ def targets_of(file: TreeFile, table: Table, column: str) -> NDArray[Any]:
     return table.labels(column, file.class_names)
 
 
-def features_of(file: TreeFile, table: Table) -> NDArray[np.float64]:
+def columns_of(file: TreeFile, are_all: bool = True) -> Columns:
+    """Return how the columns of a table become the features of a file, or how those do that its tree reads."""
+    if file.preparation is None:
+        columns = tuple(Column(name, "number", True) for name in file.feature_names)
+    else:
+        columns = file.preparation.columns.columns
+    read = set(columns_read(file))
+    return Columns(tuple(one for one in columns if are_all or any(item.name in read for item in one.features)))
+
+
+def features_of(file: TreeFile, table: Table, are_all: bool = True) -> NDArray[np.float64]:
     """Return the features of a table's rows, encoded as in the tree's training, shape (n_rows, n_features).
+
+    Unless they are all wanted, columns that the tree does not read need not be there, and their features are 0.
 
     Raises
     ------
     DataError
         columns are missing or hold what they did not in training; all of them are named.
     """
-    if file.preparation is None and not file.settings["takes_missing"]:
-        return table.numbers(file.feature_names)
-    plain = Columns(tuple(Column(name, "number", True) for name in file.feature_names))
-    columns = plain if file.preparation is None else file.preparation.columns
+    columns = columns_of(file, are_all)
     try:
-        return columns.encode(table.frame, takes_missing=file.settings["takes_missing"])
+        if file.preparation is None and not file.settings["takes_missing"]:
+            found = table.numbers(columns.names)
+        elif columns.columns:
+            found = columns.encode(table.frame, takes_missing=file.settings["takes_missing"])
+        else:  # a leaf reads nothing
+            found = np.zeros((len(table.frame), 0))
     except ColumnsError as error:
         raise DataError(f"{table.name}: {error}") from error
+    if are_all:  # a large table is not copied
+        return found
+    features = np.zeros((len(table.frame), len(file.feature_names)))
+    features[:, [file.feature_names.index(name) for name in columns.feature_names]] = found
+    return features
 
 
 def read_training(
