@@ -18,7 +18,6 @@ from octmip.sensing.placement import (
     place_sensors,
     placement_frontier,
     placement_on,
-    problem_on,
 )
 from octmip.sensing.sensor_sets import shared_budget
 
@@ -34,6 +33,5 @@ __all__ = [
     "place_sensors",
     "placement_frontier",
     "placement_on",
-    "problem_on",
     "shared_budget",
 ]

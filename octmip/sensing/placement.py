@@ -167,12 +167,6 @@ def problem_on(problem: Problem, sensors: Iterable[str]) -> Problem:
     ------
     ProblemError
         a sensor is not one of the problem's, or there is none.
-
-    Examples
-    --------
-    >>> problem = Problem([[0, 5], [1, 5], [2, 7]], ["a", "b", "b"], depth=1, feature_names=["g1", "g2"])
-    >>> problem_on(problem, ["g2"])
-    Problem(3 samples, 1 feature, 2 classes, depth=1, split='axis')
     """
     shape = problem.shape
     wanted = set(sensors)

@@ -18,7 +18,7 @@ from PIL import Image
 from octmip.formats.tree_file import TreeFile
 from octmip.formats.tree_schema import SETTINGS
 from octmip.input.names import END_ISOLATE, ISOLATE, shown
-from octmip.interfaces.plot import counted_tree_figure
+from octmip.interfaces.plot.drawing import counted_tree_figure
 from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.markdown import code_block, markdown_table
 from octmip.interfaces.report.text import tree_text

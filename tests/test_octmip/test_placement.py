@@ -12,8 +12,8 @@ from octmip.sensing import (
     place_sensors,
     placement_frontier,
     placement_on,
-    problem_on,
 )
+from octmip.sensing.placement import problem_on
 from octmip.trees.methods.options import SearchOptions
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem

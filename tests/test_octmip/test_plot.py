@@ -7,7 +7,8 @@ from matplotlib.patches import Polygon
 
 from octmip import HyperplaneSplit, Leaf, Problem, Split, predict
 from octmip.errors import ProblemError
-from octmip.interfaces.plot import choice_figure, class_colours, partition_figure, tree_figure
+from octmip.interfaces.plot import choice_figure, partition_figure, tree_figure
+from octmip.interfaces.plot.style import class_colours
 from octmip.trees.tradeoff import choose_tree
 
 RNG = np.random.default_rng(0)

@@ -214,7 +214,7 @@ def _show(arguments: argparse.Namespace, found: Sequence[Found], summary: list[d
 
 def _write(folder: str, found: Sequence[Found], methods: Sequence[str]) -> None:
     """Write the rows as CSV, and profile and gaps over time as a picture."""
-    from octmip.interfaces.plot import benchmark_figure
+    from octmip.interfaces.plot.curves import benchmark_figure
 
     rows = [{"table": one.table, "n_samples": one.n_samples, **_flat(row)} for one in found for row in one.rows]
     write_bytes(Path(folder) / ROWS, pd.DataFrame(rows).to_csv(index=False).encode())

@@ -147,7 +147,7 @@ def _row(over: str, point: Point) -> dict[str, Any]:
 
 
 def _draw(path: str, points: list[Point], over: str) -> None:
-    from octmip.interfaces.plot import frontier_figure
+    from octmip.interfaces.plot.curves import frontier_figure
 
     names = {"depth": "depth", "budget": "sensor budget", "penalty": "leaf penalty"}
     values = [point.value for point in points]

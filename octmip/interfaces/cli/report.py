@@ -149,7 +149,7 @@ def _export(arguments: argparse.Namespace, kind: str, file: TreeFile, units: dic
 def _drawing(
     arguments: argparse.Namespace, kind: str, file: TreeFile, evidence: "Evidence | None", units: dict[str, str]
 ) -> bytes:
-    from octmip.interfaces.plot import counted_tree_figure  # needs the extra "plot", which words do not
+    from octmip.interfaces.plot.drawing import counted_tree_figure  # needs the extra "plot", which words do not
     from octmip.interfaces.report.tree.measure import measure_of
     from octmip.interfaces.report.tree.seen import Seen
     from octmip.interfaces.report.tree.words import Wording

@@ -8,22 +8,13 @@ scale in their order, other classes get colours that colour-blind readers can te
 from octmip.errors import needed_by
 
 with needed_by("a picture"):
-    from octmip.interfaces.plot.curves import (
-        benchmark_figure,
-        choice_figure,
-        frontier_figure,
-    )
-    from octmip.interfaces.plot.drawing import counted_tree_figure, tree_figure
+    from octmip.interfaces.plot.curves import choice_figure
+    from octmip.interfaces.plot.drawing import tree_figure
     from octmip.interfaces.plot.plane import partition_figure
     from octmip.interfaces.plot.sensors import sensors_figure
-    from octmip.interfaces.plot.style import class_colours
 
 __all__ = [
-    "benchmark_figure",
     "choice_figure",
-    "class_colours",
-    "counted_tree_figure",
-    "frontier_figure",
     "partition_figure",
     "sensors_figure",
     "tree_figure",

@@ -21,10 +21,6 @@ def frontier_figure(values: Sequence[float], objectives: Sequence[float], bounds
     ------
     ProblemError
         there is no point to draw.
-
-    Examples
-    --------
-    >>> frontier_figure([1, 2], [44.0, 22.0], [44.0, 20.0], "depth").savefig("frontier.svg")
     """
     if not values:
         raise ProblemError("the frontier has no points; give it at least one value")
@@ -59,10 +55,6 @@ def benchmark_figure(
         1, and so is one above 1.
 
     Source: Dolan & More (2002), Benchmarking optimization software with performance profiles.
-
-    Examples
-    --------
-    >>> benchmark_figure({"exact": [1.0]}, {"exact": [[(0.1, 0.5), (2.0, 0.0)]]}).savefig("profile.svg")
     """
     figure = Picture(figsize=(8.4, 3.4), layout="tight")
     left, right = figure.subplots(1, 2)

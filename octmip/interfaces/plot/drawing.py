@@ -101,12 +101,7 @@ def counted_tree_figure(
     way: int | None = None,
     dark: bool = False,
 ) -> Figure:
-    """Return the figure of a tree whose samples are known as `counts`; arguments as those of `draw_tree`.
-
-    >>> from octmip.interfaces.report.tree.words import Wording
-    >>> words = Wording(("g1",), ("sound", "cracked"), None)
-    >>> counted_tree_figure(Leaf(1), words, np.array([[2, 5]])).savefig("leaf.svg")
-    """
+    """Return the figure of a tree whose samples are known as `counts`; arguments as those of `draw_tree`."""
     drawing = draw_tree(tree, replace(wording, written=in_font), counts, answer, seen, way)
     ground, height = DARK if dark else LIGHT, drawing.height + (TITLE if title else 0)
     beside = max(0.0, TITLE_LETTERS * text_width(title or "") - drawing.width) / 2

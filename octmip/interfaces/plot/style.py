@@ -47,11 +47,7 @@ class Picture(Figure):
 
 
 def class_colours(class_names: Sequence[Any]) -> list[tuple[float, float, float]]:
-    """Return one colour for each class: a scale in order when all are numbers, else distinct ones.
-
-    >>> len(class_colours(["sound", "cracked"]))
-    2
-    """
+    """Return one colour for each class: a scale in order when all are numbers, else distinct ones."""
     k = len(class_names)
     is_ordered = k > 2 and all(isinstance(name, int | float) and not isinstance(name, bool) for name in class_names)
     if is_ordered or k > len(DISTINCT):
