@@ -100,7 +100,7 @@ def read_tree(rng: Generator, folder: Path) -> None:
             predict_values(file.tree, samples)
     with contextlib.suppress(OctmipError):
         table = read_table(folder / "table.csv")
-        labels = targets_of(file, table, file.target_column or "y")
+        labels = targets_of(file.loss, table, file.target_column or "y", file.class_names)
         weights = table.numbers([file.weights_column])[:, 0] if file.weights_column else None
         certify(file.problem(table.numbers(file.feature_names), labels, weights), file.solution)
 

@@ -118,7 +118,7 @@ def _counted(file: TreeFile, table: Table, label: str, predicted: NDArray[Any]) 
     if is_missing.all():
         raise DataError(f"{table.name}, column {label!r}: no row has a label; expected some; leave --label out")
     known = table.rows(~is_missing).with_plain_numbers(label) if is_missing.any() else table
-    targets = targets_of(file, known, label)
+    targets = targets_of(file.loss, known, label, file.class_names)
     if file.class_names:
         targets = codes_of(targets, file.class_names)
     measures = dict(file.loss.measures(np.ones(len(targets)), targets, predicted[~is_missing]))

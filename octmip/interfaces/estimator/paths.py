@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from octmip.trees.nodes.tree import Leaf, Node, leaf_index, nodes
+from octmip.trees.nodes.tree import Leaf, Node, leaf_index, leaves, nodes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,15 +42,10 @@ class NodeTable:
         """Return the table of a tree."""
         found = tuple(nodes(tree))
         left, right = np.full(len(found), -1), np.full(len(found), -1)
-        open_splits: list[int] = []  # whose right child is still to come
         for k, node in enumerate(found):
-            if k > 0 and left[k - 1] < 0 and isinstance(found[k - 1], Leaf):
-                right[open_splits.pop()] = k
             if not isinstance(node, Leaf):
-                left[k] = k + 1
-                open_splits.append(k)
-        is_leaf = np.array([isinstance(node, Leaf) for node in found])
-        return cls(found, left, right, np.flatnonzero(is_leaf))
+                left[k], right[k] = k + 1, k + 2 * len(leaves(node.left))
+        return cls(found, left, right, np.flatnonzero(left < 0))
 
 
 def leaf_nodes(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int64]:

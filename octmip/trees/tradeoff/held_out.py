@@ -274,10 +274,8 @@ def _difference(problem: Problem, tree: Node, other: Node, samples: Samples) -> 
     total = float(samples.weights.sum())
     if total == 0:
         return None
-    how = predict if problem.loss.predicts == "class" else predict_values
-    by_tree, by_other = (
-        problem.loss.row_costs(samples.weights, samples.codes, how(one, samples.features)) for one in (tree, other)
-    )
+    predicted = (predictor_of(problem, one)(samples.features) for one in (tree, other))
+    by_tree, by_other = (problem.loss.row_costs(samples.weights, samples.codes, values) for values in predicted)
     mean = float((by_tree - by_other).sum()) / total
     error = float(np.sqrt(((by_tree - by_other - mean * samples.weights) ** 2).sum())) / total
     return Expected(mean, mean - Z_95 * error, mean + Z_95 * error)

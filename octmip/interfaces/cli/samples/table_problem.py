@@ -29,7 +29,7 @@ from octmip.interfaces.cli.samples.mixtures import mixed_columns
 from octmip.interfaces.cli.samples.names import listed_names, one_name
 from octmip.interfaces.cli.samples.parts import parts_of
 from octmip.interfaces.cli.samples.targets import refuse_quantity
-from octmip.interfaces.cli.samples.training import samples_of
+from octmip.interfaces.cli.samples.training import samples_of, targets_of
 from octmip.trees.question.classes import factors_of
 from octmip.trees.question.losses import ClassCosts, Loss, NumberLoss, number_loss
 from octmip.trees.question.problem import Problem
@@ -112,7 +112,7 @@ def read_problem(arguments: argparse.Namespace) -> TableProblem:
     chosen = _chosen_columns(whole, arguments, predicted, purpose)
     rows = _rows_kept(arguments)
     table = kept_rows(whole, rows, chosen.label, chosen.needed)
-    labels = table.labels(chosen.label) if loss is None else table.numbers([chosen.label], "target")[:, 0]
+    labels = targets_of(loss, table, chosen.label)
     if loss is None and not arguments.numbers_are_classes:
         refuse_quantity(table, chosen.label, labels)
     preparation = Preparation(_learned_columns(table, chosen, arguments, loss), chosen.index, rows)
@@ -323,12 +323,7 @@ def _kind_of_split(arguments: argparse.Namespace) -> Literal["axis", "hyperplane
 def _tested(path: str, problem: Problem, chosen: Chosen, preparation: Preparation, units: Mapping[str, str]) -> Samples:
     table = kept_rows(read_table(path), preparation.rows, chosen.label, chosen.needed)
     table.refuse_other_units(units)
-    is_number = problem.loss.predicts == "number"
-    labels = (
-        table.numbers([chosen.label], "target")[:, 0]
-        if is_number
-        else table.labels(chosen.label, problem.samples.class_names)
-    )
+    labels = targets_of(problem.loss, table, chosen.label, problem.samples.class_names)
     try:
         return samples_of(problem, preparation.columns.encode(table.frame), labels, _weights(table, chosen))
     except ColumnsError as error:

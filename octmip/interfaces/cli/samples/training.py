@@ -1,5 +1,6 @@
 """From a tree file and its table to the samples that the tree was trained on, and those that were held out."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +14,7 @@ from octmip.formats.table import Table, read_table
 from octmip.formats.table.preparation import kept_rows
 from octmip.formats.tree_file import TreeFile, columns_read
 from octmip.trees.question.classes import codes_of
+from octmip.trees.question.losses import Loss
 from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff import Samples
 from octmip.trees.tradeoff.held_out import held_out_rows, strata_of
@@ -36,17 +38,17 @@ def samples_of(
     return Samples(features, codes_of(labels, problem.samples.class_names), weights)
 
 
-def targets_of(file: TreeFile, table: Table, column: str) -> NDArray[Any]:
-    """Return the targets of a table's rows as a file's tree predicts them, classes by their names, shape (n_rows,).
+def targets_of(loss: Loss | None, table: Table, column: str, known: Sequence[Any] | None = None) -> NDArray[Any]:
+    """Return the targets of a table's rows: numbers of a loss of numbers, else classes by their names, shape (n_rows,).
 
     Raises
     ------
     DataError
-        the column is missing, a cell is no number where numbers are predicted, or no class of the training.
+        the column is missing, a cell is no number where numbers are predicted, or none of the `known` classes.
     """
-    if file.loss.predicts == "number":
+    if loss is not None and loss.predicts == "number":
         return table.numbers([column], "target")[:, 0]
-    return table.labels(column, file.class_names)
+    return table.labels(column, known)
 
 
 def columns_of(file: TreeFile, are_all: bool = True) -> Columns:
@@ -118,7 +120,7 @@ def read_training(
     if label is None:
         raise DataError(f"{source} does not say which column held the target; name it with --label")
     table = prepared(file, read_table(data), label, weights)
-    labels, features = targets_of(file, table, label), features_of(file, table)
+    labels, features = targets_of(file.loss, table, label, file.class_names), features_of(file, table)
     weighed = table.numbers([weights], "weight")[:, 0] if weights else np.ones(len(labels))
     claim = file.held_out
     is_split = claim is not None and claim.share is not None
@@ -149,7 +151,7 @@ def read_test(file: TreeFile, problem: Problem, data: str) -> Samples:
     if file.target_column is None:
         raise DataError("the tree file does not say which column held the target; write it again with octmip solve")
     table = prepared(file, read_table(data), file.target_column, file.weights_column)
-    labels = targets_of(file, table, file.target_column)
+    labels = targets_of(file.loss, table, file.target_column, file.class_names)
     weights = table.numbers([file.weights_column], "weight")[:, 0] if file.weights_column else np.ones(len(labels))
     return samples_of(problem, features_of(file, table), labels, weights)
 
