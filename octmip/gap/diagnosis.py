@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -30,7 +30,7 @@ from octmip.gap.inference.inputs import WITHOUT_RUN, Inputs
 from octmip.gap.inference.linear_model import LinearModel, whole_difference
 from octmip.gap.inference.posterior import Posterior, attribute
 from octmip.gap.inference.states import joint_covariance, state_posterior
-from octmip.gap.inference.wrong_run import corrected, set_right, weigh_wrong_run
+from octmip.gap.inference.wrong_run import weigh_wrong_run
 from octmip.gap.location import Where, flips, localise
 from octmip.gap.next_test import Limits, Proposal, checked_limits, next_tests
 from octmip.gap.odds import Odds
@@ -245,7 +245,8 @@ def diagnose(
         inputs, notes = beside(commissioning if trust_run is not False else None)
         if trust_run is False and commissioning is not None:
             notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
-        posterior, doubts, remarks = _beside_doubt(attribute(inputs), asked, beside if trust_run is None else None)
+        without = partial(beside, commissioning, is_right=False) if trust_run is None else None
+        posterior, doubts, remarks = _beside_doubt(attribute(inputs), asked, without)
         judged = with_identifiable(posterior.judged)
         which, closing, unknown_probability = _which(judged, posterior.unknown_probability)
         model, sizes = posterior.model, detectable(posterior.model)
@@ -281,22 +282,18 @@ _NOT_TRUSTED = "The commissioning run is left out, as it is not to be trusted (t
 
 
 def _beside_doubt(
-    posterior: Posterior, drawn: CachedTwin, beside: Callable[[Campaign], tuple[Inputs, list[str]]] | None
+    posterior: Posterior, drawn: CachedTwin, without: Callable[[], tuple[Inputs, list[str]]] | None
 ) -> tuple[Posterior, tuple[str, ...], tuple[str, ...]]:
-    """Return the posterior beside the run or, where that was probably wrong, beside what is left of it; and why."""
+    """Return the posterior beside the run or, where that was probably wrong, without it; and why."""
     inputs = posterior.model.inputs
     sound = sum(h.probability for h in posterior.judged if not h.members and not h.has_unknown)
-    if inputs.run is None or beside is None or sound > SOUND_ENOUGH:
+    if inputs.run is None or without is None or sound > SOUND_ENOUGH:
         return posterior, (), ()
     wrong = weigh_wrong_run(posterior.model, drawn)
     probability = 1.0 / (1.0 + math.exp(min(700.0, posterior.log_total + wrong.log_usual - wrong.log_weight)))
     if probability > LIKELY:
-        left = "that is taken off it" if wrong.correction is not None else "it is left out"
-        sentence = f"The commissioning run is doubted (probability {probability:.2f}): {wrong.words}; {left}."
-        if wrong.correction is not None and inputs.twin is not drawn:  # it said wrong constants, too
-            inputs, _ = beside(set_right(inputs.run, wrong, inputs.campaign.gauges))
-            wrong = replace(wrong, correction=np.zeros_like(wrong.correction))
-        return attribute(corrected(inputs, wrong)), (sentence,), ()
+        sentence = f"The commissioning run is doubted (probability {probability:.2f}): {wrong.words}; it is left out."
+        return attribute(without()[0]), (sentence,), ()
     if probability > POSSIBLE:
         sentence = f"The commissioning run may have been wrong (probability {probability:.2f}): {wrong.words}."
         return posterior, (), (sentence,)

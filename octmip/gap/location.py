@@ -13,12 +13,13 @@ asset's readings say how they do. A node's share is the part of all readings tha
 other than the twin's would: reach * |P_sim(left) - P_real(left)|.
 """
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, false_discovery_control, norm
+from scipy.stats import chi2, false_discovery_control
 
 from octmip.errors import DataError
 from octmip.gap.inference.linear_model import LinearModel
@@ -119,49 +120,49 @@ class _Means:
 
     Attributes
     ----------
-    cell, gauge
-        (n_means,) indices.
-    residual
-        (n_means,), in the gauges' units.
-    covariance
-        (n_means, n_means) of residuals without a gap.
-    noise
-        (n_means,) variance of noise alone.
+    residual, covariance
+        (n_means,) in the gauges' units and (n_means, n_means) without a gap.
+    share
+        (n_means,) of the whole squared gap, noise taken off.
     units, scale
         (n_means,) unit of each, and what it is divided by where several units are taken together.
     """
 
-    cell: NDArray[np.int64]
-    gauge: NDArray[np.int64]
     residual: Floats
     covariance: Floats
-    noise: Floats
+    share: Floats
     units: tuple[str, ...]
     scale: Floats
 
-    @property
-    def excess(self) -> Floats:
-        """(n_means,) squared residuals, noise taken off, comparable over units."""
-        return np.asarray((self.residual**2 - self.noise) / self.scale**2)
+    def place(self, name: str, rows: NDArray[np.int64]) -> Place:
+        """Return some of the means as a place that is not significant yet."""
+        residual = self.residual[rows]
+        squared = float(residual @ np.linalg.solve(self.covariance[np.ix_(rows, rows)], residual))
+        p_value, z = float(chi2.sf(squared, len(rows))), float(np.sqrt(squared / len(rows)))
+        units = {self.units[k] for k in rows.tolist()}
+        gap, unit = (residual, units.pop()) if len(units) == 1 else (residual / self.scale[rows], MIXED)
+        return Place(name, z, p_value, False, float(self.share[rows].sum()), float(gap.mean()), unit)
 
 
 def localise(model: LinearModel, nodes: tuple[Flip, ...]) -> Where:
     """Return where readings and twin differ about a model's states."""
-    means = _means(model)
-    excess = means.excess
+    (cell, gauge), mix = whole_means(model)
+    scale, units = model.inputs.scale[gauge], tuple(model.inputs.units[g] for g in gauge)
+    residual, noise = mix @ model.residual, np.einsum("ij,jk,ik->i", mix, model.scatter, mix)
+    excess = (residual**2 - noise) / scale**2
     share = excess / max(float(excess.sum()), 1e-12)
-    cells = [model.inputs.campaign.cells[c] for c in means.cell]
-    gauges = [model.inputs.campaign.gauges[g] for g in means.gauge]
-    white = model.left
+    means = _Means(residual, mix @ model.covariance @ mix.T, share, units, scale)
+    cells = [model.inputs.campaign.cells[c] for c in cell]
+    gauges = [model.inputs.campaign.gauges[g] for g in gauge]
     return Where(
-        entries=_entries(means, [f"{g}, {c.name}" for g, c in zip(gauges, cells, strict=True)], share),
-        gauges=_groups(means, gauges, share),
-        loads=_groups(means, [c.load_words for c in cells], share),
-        tests=_groups(means, [c.test for c in cells], share),
+        entries=_entries(means, [f"{g}, {c.name}" for g, c in zip(gauges, cells, strict=True)]),
+        gauges=_groups(means, gauges),
+        loads=_groups(means, [c.load_words for c in cells]),
+        tests=_groups(means, [c.test for c in cells]),
         nodes=nodes,
         rms=float(np.sqrt(max(0.0, float(excess.mean())))),
         unit=model.inputs.unit,
-        p_value=float(chi2.sf(float(white @ white), model.n)),
+        p_value=float(chi2.sf(float(model.left @ model.left), model.n)),
     )
 
 
@@ -174,48 +175,21 @@ def whole_means(model: LinearModel) -> tuple[NDArray[np.int64], Floats]:
     return places, mix / mix.sum(axis=1, keepdims=True)
 
 
-def _means(model: LinearModel) -> _Means:
-    places, mix = whole_means(model)
-    covariance = mix @ model.covariance @ mix.T
-    noise = np.einsum("ij,jk,ik->i", mix, model.scatter, mix)
-    units, scale = tuple(model.inputs.units[g] for g in places[1]), model.inputs.scale[places[1]]
-    return _Means(places[0], places[1], mix @ model.residual, covariance, noise, units, scale)
-
-
-def _entries(means: _Means, names: Sequence[str], share: Floats) -> tuple[Place, ...]:
+def _entries(means: _Means, names: Sequence[str]) -> tuple[Place, ...]:
     """Return every mean reading as a place, the least probable without a gap first."""
-    z = means.residual / np.sqrt(np.diag(means.covariance))
-    p = 2.0 * norm.sf(np.abs(z))
-    significant = false_discovery_control(p) <= RATE
-    return tuple(
-        Place(
-            name=names[k],
-            z=float(z[k]),
-            p_value=float(p[k]),
-            is_significant=bool(significant[k]),
-            share=float(share[k]),
-            gap=float(means.residual[k]),
-            unit=means.units[k],
-        )
-        for k in np.argsort(p, kind="stable").tolist()
-    )
+    found = [means.place(name, np.array([k])) for k, name in enumerate(names)]
+    significant = false_discovery_control([place.p_value for place in found]) <= RATE
+    signed = zip(found, significant.tolist(), strict=True)
+    entries = [replace(place, z=math.copysign(place.z, place.gap), is_significant=far) for place, far in signed]
+    return tuple(sorted(entries, key=lambda place: place.p_value))
 
 
-def _groups(means: _Means, names: Sequence[str], share: Floats) -> tuple[Place, ...]:
+def _groups(means: _Means, names: Sequence[str]) -> tuple[Place, ...]:
     """Return the groups of one name each as places, the greatest share of the gap first."""
-    distinct, named = list(dict.fromkeys(names)), np.array(names)
-    places = [_group(means, name, np.flatnonzero(named == name), share, RATE / len(distinct)) for name in distinct]
-    return tuple(sorted(places, key=lambda place: -place.share))
-
-
-def _group(means: _Means, name: str, rows: NDArray[np.int64], share: Floats, rate: float) -> Place:
-    residual = means.residual[rows]
-    squared = float(residual @ np.linalg.solve(means.covariance[np.ix_(rows, rows)], residual))
-    p = float(chi2.sf(squared, len(rows)))
-    z = float(np.sqrt(squared / len(rows)))
-    units = {means.units[k] for k in rows.tolist()}
-    gap, unit = (residual, units.pop()) if len(units) == 1 else (residual / means.scale[rows], MIXED)
-    return Place(name, z, p, p < rate, float(share[rows].sum()), float(gap.mean()), unit)
+    named = np.array(names)
+    found = [means.place(name, np.flatnonzero(named == name)) for name in dict.fromkeys(names)]
+    groups = [replace(place, is_significant=place.p_value < RATE / len(found)) for place in found]
+    return tuple(sorted(groups, key=lambda place: -place.share))
 
 
 DRAWS = 200

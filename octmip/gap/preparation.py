@@ -45,15 +45,19 @@ def inputs_of(
     noise_sd: float | Mapping[str, float] | None,
     odds: Odds,
     run: Campaign | None,
+    is_right: bool = True,
 ) -> tuple[Inputs, list[str]]:
-    """Return the inputs of the inference beside a run, and notes."""
+    """Return the inputs of the inference beside a run, and notes; of a run that is not right the noise alone counts."""
     share = odds.differences.constants
-    sound = as_built(asked, run, share) if run is not None else by_campaign(asked, campaign, share)
+    sound = as_built(asked, run, share) if run is not None and is_right else by_campaign(asked, campaign, share)
     chosen = effects if effects is not None else library_of(sound, campaign)
     own, there = getattr(asked, "effects", {}), getattr(sound, "effects", {})
     chosen = {key: there[key] if effect is own.get(key) else effect for key, effect in chosen.items()}
     chosen, lost = _answered(_by_test(chosen, campaign), sound, campaign)
     inputs, notes = prepare(campaign, sound, chosen, run, noise_sd, odds)
+    if not is_right:
+        inputs = replace(inputs, run=None)
+        inputs = replace(inputs, difference=inputs.usual)
     if run is not None:
         return inputs, [*lost, *built_words(asked, sound), *notes]
     return inputs, [*lost, *(note for note in notes if note != WITHOUT_RUN or not inputs.open)]

@@ -18,13 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.campaign.campaign import Cell
 from octmip.gap.doors.built import departures, of_drawing
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
-from octmip.gap.inference.difference import ALL_GAUGES
 from octmip.gap.inference.evidence import single_logs
-from octmip.gap.inference.inputs import Inputs, Run, levels_without_run, relearnt
+from octmip.gap.inference.inputs import Inputs, Run, levels_without_run
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
@@ -52,9 +51,6 @@ class WrongRun:
         log of prior times evidence of a sound asset beside a wrong run, all three kinds together.
     words
         the most probable of them.
-    correction, spread, own_spread
-        (n,) what it added to the run's readings, and one standard deviation of it: of the whole, and beside that of
-        each gauge by itself; None of another asset.
     log_usual
         what a right run gains, too, where the difference is allowed to be the usual one and constants are open: logs
         of evidences compared must be under the same alternatives.
@@ -62,9 +58,6 @@ class WrongRun:
 
     log_weight: float
     words: str
-    correction: Floats | None
-    spread: Floats | None
-    own_spread: Floats | None
     log_usual: float = 0.0
 
 
@@ -89,29 +82,6 @@ def weigh_wrong_run(model: LinearModel, drawn: CachedTwin) -> WrongRun:
     log_right = [one.model.log_none + one.log_of_run for one in stacks]
     log_usual = max(log_right[0], float(logsumexp(log_right)) - float(np.log(len(models)))) - model.log_none
     return replace(best, log_weight=float(logsumexp([p.log_weight for p in found])), log_usual=log_usual)
-
-
-def set_right(run: Run, wrong: WrongRun, gauges: Sequence[str]) -> Campaign:
-    """Return the readings of a run less what was wrong with them, whose rows are of these gauges."""
-    readings = run.campaign.readings.copy()
-    assert wrong.correction is not None
-    rows = zip(run.means.average.tolist(), run.means.gauge.tolist(), wrong.correction.tolist(), strict=True)
-    for average, gauge, amount in rows:
-        readings[run.averages[average].rows, run.campaign.gauges.index(gauges[gauge])] -= amount
-    return replace(run.campaign, readings=readings)
-
-
-def corrected(inputs: Inputs, wrong: WrongRun) -> Inputs:
-    """Return the inputs with what was wrong taken off the run, or without the run where it is of another asset."""
-    run = inputs.run
-    if wrong.correction is None or wrong.spread is None or wrong.own_spread is None or run is None:
-        return replace(inputs, run=None, difference=inputs.usual)
-    means = replace(run.means, measured=run.means.measured - wrong.correction)
-    same = run.means.gauge[:, None] == run.means.gauge
-    added = np.outer(wrong.spread, wrong.spread) + same * np.outer(wrong.own_spread, wrong.own_spread)
-    # what was wrong may have looked like a walk: every noise stays open
-    noises = tuple(replace(one, covariance=one.covariance + added) for one in run.noises)
-    return relearnt(inputs, replace(run, means=means, noises=noises))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -217,7 +187,7 @@ def _nodes(inputs: Inputs) -> Floats:
 
 def _by_effect(stack: _Stack, columns: Floats) -> WrongRun:
     """Return the run with an effect of the library in it."""
-    inputs, run = stack.model.inputs, stack.run
+    inputs = stack.model.inputs
     lengths, projection = stack.weighed(columns)
     logs = np.logaddexp.reduce(single_logs(inputs.priors, lengths, projection), axis=0) - np.log(len(SCALES))
     logs += inputs.priors.log_weight - np.log(max(inputs.priors.n_effects, 1))
@@ -226,7 +196,7 @@ def _by_effect(stack: _Stack, columns: Floats) -> WrongRun:
     logs[[one.name in built for one in inputs.candidates]] = -np.inf  # then the asset was built so
     logs[[one.is_nameless or bool(one.test) for one in inputs.candidates]] = -np.inf  # too rare; another day
     if not len(logs):
-        return WrongRun(-np.inf, "", None, None, None)
+        return WrongRun(-np.inf, "")
     best = int(np.argmax(logs))
     prior_sd = inputs.priors.sd[best]
     precision = lengths[best] + (3.0 * prior_sd) ** -2
@@ -234,18 +204,14 @@ def _by_effect(stack: _Stack, columns: Floats) -> WrongRun:
     chosen = inputs.candidates[best]
     effect: Effect = chosen.effect
     words = f"{words_at(effect, inputs.twin, chosen.place).name}, {size:.3g} {effect.unit}, acted while it was taken"
-    total = stack.model.log_none + stack.log_of_both + float(logsumexp(logs))
-    gauges = [inputs.order[k] for k in run.means.gauge.tolist()]
-    share = np.broadcast_to(chosen.signature_errors, len(inputs.twin.gauges))[gauges]
-    correction = size * columns[:, best]
-    return WrongRun(total, words, correction, precision**-0.5 * columns[:, best], share * correction)
+    return WrongRun(stack.model.log_none + stack.log_of_both + float(logsumexp(logs)), words)
 
 
 def _by_state(stack: _Stack, columns: Floats) -> WrongRun:
     """Return the run with another state than it says, the same in all its cells."""
     inputs, nodes = stack.model.inputs, _nodes(stack.model.inputs)
     if not len(nodes):
-        return WrongRun(-np.inf, "", None, None, None)
+        return WrongRun(-np.inf, "")
     lengths, projection = stack.weighed(columns)
     precision = lengths + NODE_SPREAD**-2
     sizes = (projection + NODE_SPREAD**-2) / precision  # between nodes: the column of one, somewhat longer or shorter
@@ -253,12 +219,8 @@ def _by_state(stack: _Stack, columns: Floats) -> WrongRun:
     best = int(np.argmax(logs))
     there = sizes[best] * nodes[best]
     shown = ", ".join(f"{name} {value:.2f}" for name, value in zip(inputs.names, there, strict=True))
-    total = stack.model.log_none + stack.log_of_both + float(logsumexp(logs))
-    correction = sizes[best] * columns[:, best]
-    common, own = np.sqrt(ALL_GAUGES), np.sqrt(1.0 - ALL_GAUGES)
-    spread = inputs.difference.usual.damage * correction
     words = f"its readings are those of the state {shown}"
-    return WrongRun(total, words, correction, common * spread, own * spread)
+    return WrongRun(stack.model.log_none + stack.log_of_both + float(logsumexp(logs)), words)
 
 
 def _changed(inputs: Inputs, cells: Sequence[Cell], node: Floats) -> Floats:
@@ -275,7 +237,7 @@ def _by_asset(stack: _Stack) -> WrongRun:
     alone = replace(model, inputs=replace(inputs, run=None, difference=usual))
     of_levels = [alone.under(level).log_none + np.log(p) for level, p in levels_without_run(inputs).items()]
     total = float(logsumexp(of_levels)) + log_run + stack.log_of_run
-    return WrongRun(total, "it differs from the asset of today as another asset would", None, None, None)
+    return WrongRun(total, "it differs from the asset of today as another asset would")
 
 
 def _states(run: Run, inputs: Inputs) -> Floats:
