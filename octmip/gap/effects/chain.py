@@ -14,7 +14,7 @@ Angle and place are asked of strain gauges alone. Where one instrument gives sev
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,9 +35,9 @@ class Moment:
     twin: Twin
     state: State
     load: Load
-    place: str = ""
+    places: tuple[str, ...] = ("",)
     time: float = 0.0
-    gauges: tuple[int, ...] = ()
+    gauges: tuple[tuple[int, ...], ...] = ()
     load_name: str = ""
 
     @property
@@ -53,15 +53,13 @@ class ChainEffect:
     Attributes
     ----------
     change
-        change of the readings (n_gauges,) per unit of size.
+        change of the readings (n_places, n_gauges) per unit of size.
     places_in
         where it may act in a twin.
     separator
         between the two gauges of a place; "" where a place is one instrument or the whole.
     load_name
         the load that is wrong, of a twin with several.
-    change_at
-        `change` at several places at once (n_places, n_gauges), where it has such a form.
     is_nameless, commonness
         whether it is a cell of the families without a name of its own, and how probable it is beside other effects.
 
@@ -84,7 +82,6 @@ class ChainEffect:
     uses_time: bool = False
     is_nameless: bool = False
     commonness: float = 1.0
-    change_at: Callable[[Moment, Sequence[str]], Floats] | None = None
     seen_by: tuple[str, ...] = ()
     words: str = ""
     words_at: str = ""
@@ -101,14 +98,12 @@ class ChainEffect:
 
     def signature(self, twin: Twin, state: State, load_factor: Load, place: str = "", time: float = 0.0) -> Floats:
         """Return the change of the readings (n_gauges,) per unit of size."""
-        gauges = self._numbers(twin, place)
-        return self.change(Moment(twin, state, load_factor, place, time, gauges, self.load_name))
+        return self.at_places(twin, state, load_factor, (place,), time)[0]
 
     def at_places(self, twin: Twin, state: State, load: Load, places: Sequence[str], time: float) -> Floats:
         """Return the signatures (n_places, n_gauges) at several places."""
-        if self.change_at is not None:
-            return self.change_at(Moment(twin, state, load, time=time), places)
-        return np.array([self.signature(twin, state, load, place, time) for place in places])
+        gauges = tuple(self._numbers(twin, place) for place in places)
+        return self.change(Moment(twin, state, load, tuple(places), time, gauges, self.load_name))
 
     def _numbers(self, twin: Twin, place: str) -> tuple[int, ...]:
         if self.separator:
@@ -172,15 +167,24 @@ def whole(twin: Twin) -> tuple[str, ...]:
     return ("",)
 
 
-def _at_gauges(moment: Moment, values: Floats) -> Floats:
-    """Return values (n_of_place,) at the gauges of the place, 0 elsewhere."""
-    found = np.zeros(len(moment.twin.gauges))
-    found[list(moment.gauges)] = values
+def _of_gauges(formula: Callable[[Floats], Floats], moment: Moment) -> Floats:
+    """Return what a formula of their readings changes at the gauges of each place (n_places, n_gauges)."""
+    found, readings = np.zeros((len(moment.places), len(moment.twin.gauges))), moment.readings
+    for row, gauges in zip(found, moment.gauges, strict=True):
+        row[list(gauges)] = formula(readings[list(gauges)])
     return found
 
 
-def _turned(moment: Moment) -> Floats:
-    return _at_gauges(moment, -0.01 * (1.0 + POISSON) * moment.readings[list(moment.gauges)])
+def _turned(own: Floats) -> Floats:
+    return -0.01 * (1.0 + POISSON) * own
+
+
+def _leaking(own: Floats) -> Floats:
+    return np.array([0.01 * own[1], 0.0])
+
+
+def _exchanged(own: Floats) -> Floats:
+    return own[::-1] - own
 
 
 def _offset(moment: Moment) -> Floats:
@@ -190,11 +194,12 @@ def _offset(moment: Moment) -> Floats:
             "the twin does not say where its gauges lie, so a gauge that lies elsewhere has no signature; expected "
             "gauge_positions (n_gauges, 2) [m]; give them"
         )
-    slopes = []
-    for gauge in moment.gauges:
-        same = [k for k, unit in enumerate(units) if unit == units[gauge]]
-        slopes.append(1e-3 * spanwise_slope(positions[same], moment.readings[same], same.index(gauge)))
-    return _at_gauges(moment, np.array(slopes))
+    found, readings = np.zeros((len(moment.places), len(moment.twin.gauges))), moment.readings
+    for row, gauges in zip(found, moment.gauges, strict=True):
+        for gauge in gauges:
+            same = [k for k, unit in enumerate(units) if unit == units[gauge]]
+            row[gauge] = 1e-3 * spanwise_slope(positions[same], readings[same], same.index(gauge))
+    return found
 
 
 def spanwise_slope(positions: Floats, strain: Floats, gauge: int) -> float:
@@ -206,36 +211,13 @@ def spanwise_slope(positions: Floats, strain: Floats, gauge: int) -> float:
     return float(slope[1])
 
 
-def _dead(moment: Moment) -> Floats:
-    return _at_gauges(moment, -moment.readings[list(moment.gauges)])
-
-
-def _leaking(moment: Moment) -> Floats:
-    _, source = moment.gauges
-    return _at_gauges(moment, np.array([0.01 * moment.readings[source], 0.0]))
-
-
-def _exchanged(moment: Moment, places: Sequence[str]) -> Floats:
-    """Return the changes (n_places, n_gauges) of all pairs: there are hundreds."""
-    found, readings = np.zeros((len(places), len(moment.twin.gauges))), moment.readings
-    first, second = np.array([pair_of(moment.twin.gauges, place, "/") for place in places]).T
-    row = np.arange(len(places))
-    found[row, first] = readings[second] - readings[first]
-    found[row, second] = readings[first] - readings[second]
-    return found
-
-
-def _exchanged_here(moment: Moment) -> Floats:
-    return np.asarray(_exchanged(moment, (moment.place,))[0])
-
-
 MISALIGNMENT = ChainEffect(
     name="misalignment",
     parameter="sin^2 of the angle by which one gauge is turned (1 % is 5.7 degrees)",
     unit="%",
     prior_sd=1.0,  # gauges are laid to a few degrees; transverse sensitivity is of the same order
     separated_by="it only lowers a reading, a gain goes both ways; a shunt calibration sees a gain and not an angle",
-    change=_turned,
+    change=partial(_of_gauges, _turned),
     places_in=_strain_gauges,
     is_one_sided=True,
     seen_by=("gauge_placement",),
@@ -263,7 +245,7 @@ DEAD_GAUGE = ChainEffect(
     prior_mean=1.0,
     prior_sd=0.02,  # a broken lead leaves nothing
     separated_by="the reading does not move with the load",
-    change=_dead,
+    change=partial(_of_gauges, np.negative),
     places_in=_instruments,
     is_one_sided=True,
     acts_on_readings=True,
@@ -280,7 +262,7 @@ CROSSTALK = ChainEffect(
     prior_sd=1.0,  # multiplexers and common grounds leak up to one per cent
     separated_by="in one state it equals a gain of the gauge; "
     "states that change the neighbour's strain alone, or a shunt on the neighbour, separate them",
-    change=_leaking,
+    change=partial(_of_gauges, _leaking),
     places_in=_neighbouring_channels,
     separator="<",
     seen_by=("shunt_reading",),
@@ -299,8 +281,7 @@ SWAPPED_PAIR = ChainEffect(
     prior_mean=1.0,
     prior_sd=0.02,  # two channels are exchanged or they are not
     separated_by="tapping or heating one gauge shows which channel answers",
-    change=_exchanged_here,
-    change_at=_exchanged,
+    change=partial(_of_gauges, _exchanged),
     places_in=_all_pairs,
     separator="/",
     is_one_sided=True,

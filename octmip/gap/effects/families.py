@@ -187,13 +187,9 @@ class Cell:
             )
         return ("",) if sum(own) > 1 or not self.unit else ()
 
-    def change_here(self, moment: Moment) -> Floats:
-        """Return the change of the readings (n_gauges,) at the moment's own place."""
-        return np.asarray(self.change(moment, (moment.place,))[0])
-
-    def change(self, moment: Moment, places: Sequence[str]) -> Floats:
+    def change(self, moment: Moment) -> Floats:
         """Return the change of the readings (n_places, n_gauges) per unit of size."""
-        return np.asarray(self._weights(moment.twin, places) * self._course(moment.time) * self._law(moment))
+        return np.asarray(self._weights(moment.twin, moment.places) * self._course(moment.time) * self._law(moment))
 
     def _weights(self, twin: Twin, places: Sequence[str]) -> Floats:
         own = np.array(self._own(twin), dtype=np.float64)
@@ -299,8 +295,7 @@ def _family(
     own = Cell(*cell, unit, typical, history)
     return ChainEffect(
         unit=size_unit,
-        change=own.change_here,
-        change_at=own.change,
+        change=own.change,
         places_in=own.places,
         load_power=0 if law == "constant" else None,
         uses_time=course != "steady",

@@ -30,11 +30,11 @@ def _risen(moment: Moment, step: float) -> Floats:
 
 
 def _rise(moment: Moment, step: float) -> Floats:
-    """Return what a step of the load changes; a twin that refuses it, as a table does, is asked for one back."""
+    """Return what a step of the load changes (1, n_gauges); where a twin, as a table does, refuses it, one back."""
     try:
-        return moment.twin.predict(moment.state, _raised(moment, step)) - moment.readings
+        return (moment.twin.predict(moment.state, _raised(moment, step)) - moment.readings)[None]
     except TwinError:
-        return moment.readings - moment.twin.predict(moment.state, _raised(moment, -step))
+        return (moment.readings - moment.twin.predict(moment.state, _raised(moment, -step)))[None]
 
 
 def _amount(moment: Moment) -> float:
@@ -72,7 +72,7 @@ class LoadError(ChainEffect):
         try:
             return twin.predict(state, _raised(moment, size if self.is_offset else STEP * size * _amount(moment)))
         except TwinError:
-            return moment.readings + size * self.change(moment)
+            return moment.readings + size * self.change(moment)[0]
 
 
 LOAD_FACTOR_ERROR = LoadError(
