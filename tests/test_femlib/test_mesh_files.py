@@ -188,7 +188,11 @@ LEFT, Right
             r"in 0\.914403 m.*save it in one",
         ),
         ("plate.unv", unv()[:-200], "expected two about each dataset; was it cut"),
-        ("plate.unv", unv().replace("         6         3\n", "         6        33\n"), r"of which \[33\] is not in the file"),
+        (
+            "plate.unv",
+            unv().replace("         6         3\n", "         6        33\n"),
+            r"of which \[33\] is not in the file",
+        ),
         (
             "plate.unv",
             unv().replace("        94         1", "       115         1"),

@@ -98,7 +98,7 @@ class ChainEffect:
 
     def signature(self, twin: Twin, state: State, load_factor: Load, place: str = "", time: float = 0.0) -> Floats:
         """Return the change of the readings (n_gauges,) per unit of size."""
-        return self.at_places(twin, state, load_factor, (place,), time)[0]
+        return np.asarray(self.at_places(twin, state, load_factor, (place,), time)[0])
 
     def at_places(self, twin: Twin, state: State, load: Load, places: Sequence[str], time: float) -> Floats:
         """Return the signatures (n_places, n_gauges) at several places."""

@@ -72,7 +72,7 @@ class LoadError(ChainEffect):
         try:
             return twin.predict(state, _raised(moment, size if self.is_offset else STEP * size * _amount(moment)))
         except TwinError:
-            return moment.readings + size * self.change(moment)[0]
+            return np.asarray(moment.readings + size * self.change(moment)[0])
 
 
 LOAD_FACTOR_ERROR = LoadError(
