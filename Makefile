@@ -36,8 +36,9 @@ long: $(VENV)/.installed-test
 
 lint: lint-python lint-rust
 
+# In a folder of its own: cargo lets no two commands into one, and the tests of Rust would wait.
 lint-rust: | tools
-	cd octmip/trees/native && cargo fmt --all --check && MAKEFLAGS= cargo clippy --profile checks --quiet --workspace --all-targets -- -D warnings
+	cd octmip/trees/native && cargo fmt --all --check && MAKEFLAGS= cargo clippy --profile checks --target-dir target/lint --quiet --workspace --all-targets -- -D warnings
 
 lint-python-then-test-rust: lint-python
 	$(MAKE) test-rust
