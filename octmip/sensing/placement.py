@@ -30,7 +30,7 @@ from octmip.trees.question.problem import Problem
 from octmip.trees.runs.registry import Method, Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import Point
-from octmip.trees.tradeoff.frontier import trace_frontier
+from octmip.trees.tradeoff.frontier import frontier_run
 
 MOST_LABEL_SETS = 20_000  # of which label_bound tries each
 
@@ -232,7 +232,7 @@ def placement_frontier(
     [(1, 0.0)]
     """
     counted = problem.replace(sensor_cost=None) if over == "number" else problem
-    points = trace_frontier(counted, "budget", values, Run(method, limits, seed, n_jobs, options))
+    points = frontier_run(counted, "budget", values, Run(method, limits, seed, n_jobs, options))
     known = label_bound(problem)
     return [replace(point, solution=_bounded(point.solution, known)) for point in points]
 

@@ -11,7 +11,6 @@ from sklearn.datasets import load_iris
 from octmip import ClassCosts, Leaf, Limits, Problem, Solution, SquaredError, Stop, certify, predict, solve
 from octmip.errors import ProblemError
 from octmip.trees.nodes.tree import n_splits
-from octmip.trees.runs.registry import Run
 from octmip.trees.tradeoff import choose_tree
 from octmip.trees.tradeoff.folds import part_of, stratified_folds
 from octmip.trees.tradeoff.frontier import Point, _with_bounds_of_wider_limits, default_values, trace_frontier
@@ -230,7 +229,7 @@ def test_a_bound_that_is_taken_over_never_exceeds_the_tree_of_its_point():
 
 
 def test_values_are_taken_in_order_whatever_order_they_come_in():
-    points = trace_frontier(PROBLEM, "depth", [2, 1], Run("cart", Limits(seconds=10)))
+    points = trace_frontier(PROBLEM, "depth", [2, 1], method="cart", limits=Limits(seconds=10))
     assert [point.problem.shape.depth for point in points] == [1, 2]
 
 
@@ -240,14 +239,14 @@ def test_values_are_taken_in_order_whatever_order_they_come_in():
 )
 def test_a_value_that_makes_no_problem_is_refused(over, values, sentence):
     with pytest.raises(ProblemError, match=sentence):
-        trace_frontier(PROBLEM, over, values, Run("cart"))
+        trace_frontier(PROBLEM, over, values, method="cart")
 
 
 def test_budgets_must_be_named_where_sensors_differ_in_cost():
     expensive = PROBLEM.replace(sensor_cost=[1, 2, 5])
     with pytest.raises(ProblemError, match="name the values"):
         trace_frontier(expensive, "budget")
-    assert len(trace_frontier(expensive, "budget", [2, 3], Run("cart"))) == 2
+    assert len(trace_frontier(expensive, "budget", [2, 3], method="cart")) == 2
 
 
 def test_penalties_have_no_default_values_without_their_path():

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from octmip import Limits, Options
-from octmip.trees.runs.registry import REGISTRY, Run
+from octmip.trees.runs.registry import REGISTRY
 
 PACKAGES = ("octmip", "octmip.formats.columns", "octmip.monitor", "octmip.sensing", "femlib.rom")
 PACKAGES += tuple(f"octmip.trees.{name}" for name in ("question.losses", "near_sets", "tradeoff", "uncertainty"))
@@ -53,7 +53,6 @@ EVERYWHERE = {
     "rate": 0.01,
     "ridge": 1e-3,
     "rule": "least",
-    "run": Run(),
     "seconds": math.inf,
     "seed": 0,
     "smoothing": "out-of-fold",

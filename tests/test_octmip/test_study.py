@@ -12,7 +12,6 @@ import pytest
 from octmip import Limits, Options, Study, solve
 from octmip.errors import DataError
 from octmip.interfaces.cli import main
-from octmip.trees.runs.registry import Run
 from octmip.trees.tradeoff.choice import choose_tree
 from octmip.trees.tradeoff.frontier import trace_frontier
 from tests.test_octmip.test_checkpoint import numbers, small
@@ -35,14 +34,14 @@ def answers(points):
 )
 def test_a_frontier_makes_no_solve_twice(over, asked, tmp_path, monkeypatch):
     path = tmp_path / "kept"
-    plain, first = trace_frontier(asked, over), trace_frontier(asked, over, run=Run(options=Options(checkpoint=path)))
+    plain, first = trace_frontier(asked, over), trace_frontier(asked, over, options=Options(checkpoint=path))
     entries = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join(entries[: len(entries) // 2 + 1]))
-    again = trace_frontier(asked, over, run=Run(n_jobs=2, options=Options(checkpoint=path)))
+    again = trace_frontier(asked, over, options=Options(checkpoint=path), n_jobs=2)
     assert answers(first) == answers(again) == answers(plain)
     assert len(path.read_bytes().splitlines()) == len(entries)
     monkeypatch.setattr("octmip.trees.solver._result", None)  # no solve is made any more
-    last = trace_frontier(asked, over, run=Run(options=Options(checkpoint=path)))
+    last = trace_frontier(asked, over, options=Options(checkpoint=path))
     assert answers(last) == answers(plain)
     assert all(point.solution.details["kept"] for point in last)
 

@@ -31,7 +31,6 @@ from octmip.trees.answer.solution import Limits
 from octmip.trees.methods.options import Options
 from octmip.trees.nodes.tree import n_splits
 from octmip.trees.question.problem import Problem
-from octmip.trees.runs.registry import Run
 from octmip.trees.tradeoff import Choice, Point, choose_tree, trace_frontier
 
 
@@ -65,8 +64,17 @@ def _points(
     options: Options,
 ) -> list[Point]:
     with ProgressLine() as progress:
-        run = Run(arguments.method, limits, arguments.seed, arguments.threads, options, progress)
-        return trace_frontier(problem, arguments.over, values, run)
+        return trace_frontier(
+            problem,
+            arguments.over,
+            values,
+            method=arguments.method,
+            limits=limits,
+            seed=arguments.seed,
+            n_jobs=arguments.threads,
+            progress=progress,
+            options=options,
+        )
 
 
 def _show(

@@ -12,10 +12,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from octmip.errors import ProblemError
-from octmip.trees.answer.solution import Solution, Stop
+from octmip.trees.answer.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.nodes.tree import Node
 from octmip.trees.question.problem import Problem
-from octmip.trees.runs.registry import Run
+from octmip.trees.runs.registry import Method, Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.path import trace_run
 
@@ -57,22 +58,36 @@ def trace_frontier(
     problem: Problem,
     over: Over,
     values: Sequence[float] | None = None,
-    run: Run = Run(),  # noqa: B008 (frozen)
+    *,
+    method: Method = "auto",
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    options: Options = NO_OPTIONS,
 ) -> list[Point]:
-    """Return one point for each value, values ascending.
+    """Return one point for each value, values ascending; `limits` hold for each point by itself.
 
     Ctrl-C ends the frontier: the points so far come back, the last one interrupted. Without values the penalties are
-    those at which another tree is best, which takes about two more solves per point.
-
-    Parameters
-    ----------
-    run
-        of each point by itself: its limits hold for each, and workers of a cluster share one solve after the other.
+    those at which another tree is best, which takes about two more solves per point. `options` are the method's own,
+    for instance ``restarts`` of the search, or ``cluster``: each solve is then shared by its workers, one solve after
+    the other.
 
     Raises
     ------
     ProblemError
         `over` is unknown, or a value makes no problem.
+    """
+    return frontier_run(problem, over, values, Run(method, limits, seed, n_jobs, options, progress))
+
+
+def frontier_run(problem: Problem, over: Over, values: Sequence[float] | None, run: Run) -> list[Point]:
+    """Return what `trace_frontier` returns for the method, limits, seed, threads, options and progress of a run.
+
+    Raises
+    ------
+    ProblemError
+        as `trace_frontier`.
     """
     if over not in OVERS:
         raise ProblemError(f"over is {over!r}; expected one of {', '.join(OVERS)}")

@@ -17,7 +17,7 @@ from octmip.trees.question.problem import Problem
 from octmip.trees.runs.registry import Run
 from octmip.trees.tradeoff.baselines import baselines_of
 from octmip.trees.tradeoff.edits import EditPrice, tree_edits
-from octmip.trees.tradeoff.frontier import trace_frontier
+from octmip.trees.tradeoff.frontier import frontier_run
 from octmip.trees.tradeoff.held_out import Samples, Score, score_of
 
 SHARE_OF_EDITS = 0.1
@@ -142,7 +142,7 @@ def gather(file: TreeFile, problem: Problem, *, seconds: float = 10.0) -> Eviden
 def _depths(file: TreeFile, problem: Problem, greedy: Solution, run: Run) -> tuple[DepthPoint, ...]:
     """Return a point for each depth; the deepest is the tree of the file, and its bound holds for the others too."""
     shallower = range(1, _levels(file, problem))
-    points = trace_frontier(problem, "depth", shallower, run) if shallower else []
+    points = frontier_run(problem, "depth", shallower, run) if shallower else []
     solved = [(point.problem, point.solution) for point in points if point.solution.tree is not None]
     bound = -math.inf if file.solution.scope else file.solution.bound
     found = []
