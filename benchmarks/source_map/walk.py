@@ -81,7 +81,8 @@ def _level(name: str) -> int:
 def to_certificate() -> Callable[[], object]:
     """Return the call that solves a small problem and certifies the solution.
 
-    Each of its stays has its reason:
+    20 files need 19 stays. The other 24 are calls of methods of what is asked and answered (`shape`, `problem`, `tree`,
+    `solution`, `interruption`) by a second and a third file. Each has its reason:
 
     solver       registry, options, exact: the method, what it takes, the proof; problem: what is asked;
                  solution: limits and result; interruption: Ctrl-C ends the whole call; certificate: the recount
@@ -103,10 +104,7 @@ def to_certificate() -> Callable[[], object]:
 def to_verdict() -> Callable[[], object]:
     """Return the call that diagnoses a small campaign of the wing.
 
-    Of its 121 stays half lead to five files: `twin`, `inputs`, `linear_model`, `candidates` and `gap.twins`. Seven
-    joins of neighbouring files (evidence with candidates, rows with difference, linear_model with whitening, posterior
-    with unknown, noise with spectrum, checks with outliers, families with words) would leave 101, and four of these
-    files would have more than 400 lines.
+    Half of its stays lead to five files: `twin`, `inputs`, `linear_model`, `candidates` and `gap.twins`.
     """
     wing = uav_wing(refinement=COARSE)
     twin = CachedTwin(WingTwin(wing, wing_effects(wing)))

@@ -105,13 +105,13 @@ def one_by_one(contents):
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("how", ["ros1", "little", "big", "both"])
-@pytest.mark.parametrize("sizes", [(3,), (0,), (0, 1, 2, 3, 4, 5, 6, 70)], ids=str)
+@pytest.mark.parametrize("sizes", [(3,), (0,), (0, 1, 2, 3, 4, 5, 70)], ids=str)
 def test_numbers_are_those_that_rosbags_decodes_message_by_message(name, how, sizes, monkeypatch):
     rng, is_cdr = np.random.default_rng(len(name)), how != "ros1"
     store = store_of(Stores.LATEST if is_cdr else Stores.ROS1_NOETIC)
-    contents = [random_field(rng, store, (Nodetype.NAME, name), int(rng.choice(sizes))) for _ in range(12)]
+    contents = [random_field(rng, store, (Nodetype.NAME, name), int(rng.choice(sizes))) for _ in range(8)]
     if is_cdr:
-        orders = [how == "little" or (how == "both" and k % 3 > 0) for k in range(12)]
+        orders = [how == "little" or (how == "both" and k % 3 > 0) for k in range(8)]
         messages = [
             bytes(store.serialize_cdr(one, name, little_endian=order))
             for one, order in zip(contents, orders, strict=True)
@@ -121,12 +121,12 @@ def test_numbers_are_those_that_rosbags_decodes_message_by_message(name, how, si
     decoder = Decoder(store, name, is_cdr)
     asked, slow = [], decoder.decode
     monkeypatch.setattr(decoder, "decode", lambda *words: asked.append(1) or slow(*words))
-    found, right = table(decoder(messages), 12), one_by_one([slow(one, name) for one in messages])
+    found, right = table(decoder(messages), 8), one_by_one([slow(one, name) for one in messages])
     assert found.keys() == right.keys()
     for place, numbers in right.items():
         np.testing.assert_array_equal(found[place], numbers, err_msg=place)
     if len(sizes) == 1 and how != "both" and name != "std_msgs/msg/Empty":
-        assert len(asked) <= 2  # the other 10 were one array
+        assert len(asked) <= 2  # the others were one array
 
 
 def test_a_layout_that_does_not_give_the_first_message_is_not_used(monkeypatch):

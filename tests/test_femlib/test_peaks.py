@@ -175,7 +175,11 @@ CASES: dict[str, Made] = {
 }
 
 
-@pytest.mark.long("point load", "supported plate 8", "clamped plate 8", "pulled (12, 8)", "supported plate, triangles")
+@pytest.mark.long(
+    *("point load", "supported plate 8", "clamped plate 8", "pulled (12, 8)", "supported plate, triangles"),
+    *("clamped strip 32", "clamped strip 8", "cantilever 8", "cantilever, triangles 16", "cylinder, triangles"),
+    *("pulled (8, 4)", "sheared (8, 4)", "held and warm (8, 4)", "free and warm", "pulled, any shape, (8, 4)"),
+)
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_accepted_is_within_two_percent_and_what_is_refused_is_not_within_one(name) -> None:
     found, truth = CASES[name]()

@@ -179,6 +179,7 @@ def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.M
         branch_and_bound(hard(100), options=ExactOptions(cluster=Cluster(client)))
 
 
+@pytest.mark.long
 def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("octmip.trees.methods.cluster.PATIENCE", 0.5)
     options = {"n_workers": 0, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}

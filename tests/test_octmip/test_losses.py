@@ -1,5 +1,6 @@
 """Every loss by the same checks: the best leaf, exact costs, and what people judge predictions by."""
 
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from octmip import AbsoluteError, Problem, certify, near_optimal, sensor_roles, solve
 from octmip.errors import ProblemError
 from octmip.sensing.sensor_sets import shared_budget
-from octmip.trees.question.losses import SPELLINGS, ClassCosts, exact_sums, loss_of, number_loss
+from octmip.trees.question.losses import SPELLINGS, ClassCosts, NumberLoss, exact_sums, loss_of, number_loss
 from octmip.trees.runs.registry import lacked
 from octmip.trees.tradeoff.leaf_shares import leaves_on_fresh_rows
 
@@ -177,3 +178,25 @@ def test_what_is_asked_of_classes_alone_is_a_line_of_the_registry_and_refused_in
     ):
         ask(problem)
     assert asked in lacked("numbers", "call")
+
+
+@dataclass(frozen=True)
+class Cubed(NumberLoss):
+    """An error that no core has a kernel for."""
+
+    name = "cubed"
+    words = "cubed error"
+
+    def of_misses(self, misses):
+        return np.abs(misses) ** 3
+
+    def best_value(self, weights, codes):
+        return float(np.median(codes))
+
+    def exact_cost(self, weights, codes, predicted):
+        return Fraction(float(self.of_misses(codes - predicted) @ weights))
+
+
+def test_a_loss_that_no_core_minimises_is_refused():
+    with pytest.raises(ProblemError, match="loss 'cubed' is neither the squared error nor a SlopedError"):
+        Problem(FEATURES, TARGETS, depth=1, loss=Cubed())

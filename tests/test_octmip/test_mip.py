@@ -162,7 +162,7 @@ def test_what_progress_raises_comes_out():
         raise ValueError("no progress bar here")
 
     with pytest.raises(ValueError, match="no progress bar"):
-        solve_oct(iris(depth=2), limits=Limits(seconds=60), progress=fail)
+        solve_oct(blobs(depth=2), limits=Limits(seconds=60), progress=fail)
 
 
 def test_highs_says_nothing_on_standard_output(capfd):

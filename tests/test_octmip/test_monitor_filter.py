@@ -164,6 +164,7 @@ def drawn(rng, probabilities):
     return (probabilities.cumsum(axis=1) > rng.random((len(probabilities), 1))).argmax(axis=1)
 
 
+@pytest.mark.long("whole")
 @pytest.mark.parametrize("kind", ["leaf", "whole"])
 def test_sets_hold_what_they_say_on_histories_drawn_from_the_model(cells, kind):
     rng, sd = np.random.default_rng(3), 150.0  # cells narrow beside the noise: their spread is as good as normal

@@ -150,6 +150,21 @@ def test_progress_counts_from_the_start_of_solve(registered):
     assert 0 < seen[0].seconds <= solution.seconds
 
 
+@pytest.mark.parametrize(
+    ("method", "asked", "lacked"),
+    [
+        ("exact", {"sensor_budget": 0.0, "max_splits": 1}, "sensor_budget"),
+        ("search", {"old_tree": Leaf(0), "max_changes": 0}, "max_changes"),
+        ("benders", {"max_splits": 0}, "max_splits"),
+    ],
+)
+def test_a_limit_of_nothing_is_a_limit(method, asked, lacked):
+    problem = Problem([[0.0], [1.0], [2.0], [3.0]], [0, 0, 1, 1], depth=2, **asked)
+    with pytest.raises(ProblemError, match=f"does not know the problem's {lacked}"):
+        solve(problem, method)
+    certify(problem, solve(problem, "auto"))
+
+
 def test_an_option_that_the_solver_does_not_take_is_refused():
     with pytest.raises(
         ProblemError,

@@ -298,10 +298,11 @@ class _Search:
         """
         if stop is not Stop.OPTIMAL:
             return stop
-        asked = [name for name in ("fixed_splits", "path_rules", "max_changes") if getattr(self.problem.shape, name)]
+        parts = ("fixed_splits", "path_rules", "max_changes")
+        asked = [name for name in parts if getattr(self.problem.shape, name) is not None]
         raise NoTreeError(
             f"no tree of depth {self.problem.shape.depth} with leaves of {self.problem.shape.leaf_size} samples or "
-            f"more has what {' and '.join(asked) or 'max_changes'} asks for: a given split, or one that must stay, "
+            f"more has what {' and '.join(asked)} asks for: a given split, or one that must stay, "
             "leaves a side empty or too small; ask for less, or give more depth"
         )
 

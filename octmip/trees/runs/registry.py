@@ -171,7 +171,7 @@ def _is_asked(problem: Problem, setting: str) -> bool:
     if setting == "takes_missing":
         return problem.samples.takes_missing
     value = getattr(problem.shape, "limited_splits" if setting == "max_splits" else setting)
-    return value not in (None, False, "constant")
+    return value is not None and value is not False and value != "constant"  # 0 is a limit like any other
 
 
 def words_and_cures(setting: str) -> tuple[str, str]:
@@ -312,7 +312,7 @@ def options_by_method() -> dict[str, dict[str, dict[str, Any]]]:
 
 def settings_unknown_to() -> dict[str, list[str]]:
     """Return the settings of a Problem that each solver does not know, of solvers that lack some, as doctor prints."""
-    solvers = [solver for row in REGISTRY.values() for solver in row.values()]
+    solvers = [*(solver for row in REGISTRY.values() for solver in row.values()), SHAPED, DEEP_LINES]
     return {solver.name: list(solver.cannot) for solver in solvers if solver.cannot}
 
 

@@ -47,7 +47,7 @@ class NumberLoss(Loss):
 
     @property
     def slopes(self) -> Slopes | None:
-        """What a unit of distance costs; None where the error does not grow in proportion to it."""
+        """What a unit of distance costs; None of the squared error alone, which solvers and checkers take it for."""
         return None
 
     @abstractmethod
@@ -55,7 +55,12 @@ class NumberLoss(Loss):
         """Return the error of each difference ``target - predicted``."""
 
     def check_range(self, weights: Floats, codes: NDArray[Any], most_prices: float) -> None:
-        """Raise unless errors neither overflow nor vanish."""
+        """Raise unless some solver minimises the loss, and its errors neither overflow nor vanish."""
+        if self.slopes is None and not isinstance(self, SquaredError):
+            raise ProblemError(
+                f"loss {self.name!r} is neither the squared error nor a SlopedError; no core has a kernel for it and "
+                "would minimise the squared error"
+            )
         span = float(codes.max() / 2 - codes.min() / 2)
         total = float(np.clip(weights, 0, 1e300).sum())
         size = max(float(np.abs(codes).max()), most_prices)
