@@ -52,7 +52,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.regression.best_split": 4,
         "trees.evidence.far_targets": 4,
         "trees.regression.grid": 5,
-        "trees.evidence.proof_log": 5,
+        "trees.evidence.regression_log": 5,
         "trees.regression.exact": 7,
         "trees.regression.search": 7,
         "trees.answer.certificate": 5,

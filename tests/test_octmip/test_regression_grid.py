@@ -15,7 +15,7 @@ from octmip.trees import _native
 from octmip.trees.answer.solution import closing_tolerance
 from octmip.trees.evidence.far_targets import FARTHEST, closed_up, reach
 from octmip.trees.evidence.proof import check_proof
-from octmip.trees.evidence.proof_log import log_scale
+from octmip.trees.evidence.regression_log import log_scale
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.question.losses import SPELLINGS, AbsoluteError, SquaredError, number_loss
 from octmip.trees.regression import grid as grid_module

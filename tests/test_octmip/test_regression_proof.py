@@ -12,7 +12,7 @@ from benchmarks.kinds.numbers import NUMBER_KINDS, far_problem, wide_problem
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.answer.solution import Stop
 from octmip.trees.evidence.proof import check_proof
-from octmip.trees.evidence.proof_log import write_proof
+from octmip.trees.evidence.regression_log import write_proof
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.question.losses import SPELLINGS, AbsoluteError, SquaredError, number_loss
 from octmip.trees.question.problem import Problem

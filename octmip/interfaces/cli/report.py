@@ -1,9 +1,10 @@
 """Show a tree file or write it as a page: `octmip.interfaces.cli.options.report` says how the command is called."""
 
 import argparse
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
@@ -137,13 +138,13 @@ def _export(arguments: argparse.Namespace, kind: str, file: TreeFile, units: dic
         return file_bytes(replace(file, readings=readings))
     legend = Legend(file.target_column or "", readings)
     columns = file.feature_names if file.preparation is None else file.preparation.columns
-    if kind == ".sql":
-        text = sql_expression(file.tree, columns, file.class_names, table=arguments.table, legend=legend)
-        return f"{text}\n".encode()
-    if kind == ".c":
-        return c_source(file.tree, columns, file.class_names, legend=legend).encode()
-    model: bytes = onnx_model(file.tree, columns, file.class_names, legend=legend).SerializeToString()
-    return model
+    asked = (file.tree, columns, file.class_names)
+    written: dict[str, Callable[[], bytes]] = {
+        ".sql": lambda: f"{sql_expression(*asked, table=arguments.table, legend=legend)}\n".encode(),
+        ".c": lambda: c_source(*asked, legend=legend).encode(),
+        ".onnx": lambda: cast(bytes, onnx_model(*asked, legend=legend).SerializeToString()),
+    }
+    return written[kind]()
 
 
 def _drawing(

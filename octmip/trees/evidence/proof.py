@@ -20,7 +20,7 @@ from octmip.errors import CertificateError, ProblemError
 from octmip.input.files import read_bytes
 from octmip.trees import _native
 from octmip.trees.encoding import IntegerCosts
-from octmip.trees.evidence import proof_log
+from octmip.trees.evidence import regression_log
 from octmip.trees.question.problem import Problem
 from octmip.trees.question.problem_file import data_digest, question_digest
 from octmip.trees.question.problem_values import refuse_missing
@@ -101,7 +101,7 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
     content = read_bytes(path)
     text = content.decode("ascii", errors="replace")
     if problem.loss.predicts == "number":
-        found = proof_log.checker_question(problem).check(text)
+        found = regression_log.checker_question(problem).check(text)
     else:
         found = checker_question(problem).check(text, n_jobs)
     if isinstance(found, _native.Refused):

@@ -28,7 +28,7 @@ from octmip.trees.answer.solution import (
 )
 from octmip.trees.encoding import Ranks, centred_tree
 from octmip.trees.encoding.costs import rounded_down
-from octmip.trees.evidence.proof_log import write_proof
+from octmip.trees.evidence.regression_log import write_proof
 from octmip.trees.methods.native_call import check_threads, logged, native_progress
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.nodes.tree import Node

@@ -74,7 +74,7 @@ pub(crate) fn regression(
     Ok(FoundBelow { rows, bound: found.bound, stop: stop_name(found.stop), n_nodes: found.n_cuts })
 }
 
-/// `octmip.trees.evidence.proof_log.LogScale` by its attributes: exponents of the grid of a log.
+/// `octmip.trees.evidence.regression_log.LogScale` by its attributes: exponents of the grid of a log.
 #[derive(FromPyObject)]
 struct ScaleValues {
     weight: i64,
