@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
+from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, SquaredError, Stop, ValueLeaf, certify, predict
 from octmip.errors import CertificateError
 from octmip.trees.answer.certificate import first_forbidden_split
 from octmip.trees.nodes.tree import leaf_index, leaves
@@ -99,6 +99,15 @@ def test_a_bound_above_a_tree_of_real_weights_fails(share):
     certify(problem, dataclasses.replace(claim, bound=objective + 0.5 * least, tolerance=0.6 * least))
     with pytest.raises(CertificateError, match=r"claims that no tree is below|one leaf alone"):
         certify(problem, dataclasses.replace(claim, bound=objective * (1 + share)))
+
+
+def test_a_bound_of_numbers_has_no_tolerance_of_rounded_costs():
+    problem = problem_with(targets=[1.0, 1.0, 2.0, 2.0, 4.0], loss=SquaredError())
+    tree = Split(0, 1.5, ValueLeaf(1.0), Split(1, 8.0, ValueLeaf(2.0), ValueLeaf(3.0)))
+    claim = dataclasses.replace(SOLUTION, tree=tree, objective=1.0, bound=1.0)
+    certify(problem, claim)
+    with pytest.raises(CertificateError, match="claims that no tree is below"):
+        certify(problem, dataclasses.replace(claim, bound=1.25, tolerance=0.5))
 
 
 @pytest.mark.parametrize(
