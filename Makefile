@@ -7,6 +7,9 @@ NATIVE := $(shell find octmip/trees/native -name target -prune -o -type f ! -nam
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes: modules are compiled once, whatever the environment says.
 export PYTHONDONTWRITEBYTECODE :=
+# Packages that all processes of pytest import at the same time: each would compile them by itself.
+LARGE := scipy.stats scipy.optimize scipy.signal scipy.interpolate pandas pyarrow sklearn.utils.estimator_checks \
+	matplotlib.pyplot pyomo.environ distributed hypothesis.strategies libcst.matchers rosbags.highlevel
 PYTEST := MAKEFLAGS= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
 
 .PHONY: uav mission blind test lint lint-python lint-rust lint-python-then-test-rust test-rust pytest long wheel site verified tools benchmarks clean
@@ -40,7 +43,9 @@ lint: lint-python lint-rust
 lint-rust: | tools
 	cd octmip/trees/native && cargo fmt --all --check && MAKEFLAGS= cargo clippy --profile checks --target-dir target/lint --quiet --workspace --all-targets -- -D warnings
 
-lint-python-then-test-rust: lint-python
+lint-python-then-test-rust: $(VENV)/.packages-test
+	$(BIN)/python -W ignore -c "from importlib import import_module as load; [load(name) for name in '$(LARGE)'.split()]"
+	$(MAKE) lint-python
 	$(MAKE) test-rust
 
 lint-python: $(VENV)/.packages-test

@@ -32,9 +32,20 @@ pytestmark = pytest.mark.filterwarnings("ignore:no worker of the cluster is left
 
 
 @pytest.fixture(scope="module")
-def two_workers() -> Iterator[Client]:
-    """Two processes with one thread each, on the loopback; one that was killed has long to come back."""
-    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
+def n_workers(request: pytest.FixtureRequest) -> int:
+    """Two for the long tests, which kill one; otherwise one of two threads, as each takes four seconds to begin."""
+    return 1 + bool(request.config.getoption("--long"))
+
+
+@pytest.fixture(scope="module")
+def workers(n_workers: int) -> Iterator[Client]:
+    """Processes with two threads in all, on the loopback; one that was killed has long to come back."""
+    options = {
+        "n_workers": n_workers,
+        "threads_per_worker": 3 - n_workers,
+        "dashboard_address": "127.0.0.1:0",
+        "host": "127.0.0.1",
+    }
     with (
         dask.config.set({"distributed.deploy.lost-worker-timeout": RESTART}),
         LocalCluster(**options, silence_logs=50) as cluster,
@@ -44,15 +55,15 @@ def two_workers() -> Iterator[Client]:
 
 
 @pytest.fixture
-def client(two_workers: Client) -> Client:
-    """Both workers, whatever the test before has killed."""
-    two_workers.wait_for_workers(2, timeout=120)
-    return two_workers
+def client(workers: Client, n_workers: int) -> Client:
+    """All workers, whatever the test before has killed."""
+    workers.wait_for_workers(n_workers, timeout=120)
+    return workers
 
 
 @pytest.fixture
 def asked(client: Client) -> Iterator[Client]:
-    """Both workers, and that they are asked: without them the answer would be the same."""
+    """The workers, and that they are asked: without them the answer would be the same."""
     with patch.object(Cluster, "submit", autospec=True, side_effect=Cluster.submit) as submit:
         yield client
     assert submit.called
