@@ -68,7 +68,8 @@ class _Fit:
 
 def select(campaign: Campaign, twin: Twin, run: Campaign | None = None) -> Selection:
     """Return the probability of no effect, of every single one, of pairs, and of something unknown."""
-    sound = as_built(twin if isinstance(twin, CachedTwin) else CachedTwin(twin), run, CONSTANTS)
+    sound = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
+    sound = sound if run is None else as_built(sound, run, CONSTANTS)
     asked = Asked(campaign, sound, run)
     library = [e for e in library_of(sound, campaign).values() if not getattr(e, "is_nameless", False)]
     members = [(e, place) for e in library for place in e.places(sound)]

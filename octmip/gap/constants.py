@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.doors.function import FunctionTwin
+from octmip.gap.inference.evidence import mixture
 from octmip.gap.inference.inference import Judged
-from octmip.gap.sizes import Parameter, changed_rows
+from octmip.gap.sizes import WIDTH, Parameter, changed_rows
 
 Floats = NDArray[np.float64]
 
@@ -54,11 +55,7 @@ class Constant:
     @property
     def interval(self) -> tuple[float, float]:
         """Bounds that hold 90 % of the probability."""
-        return self.mean - Z90 * self.sd, self.mean + Z90 * self.sd
-
-
-Z90 = 1.645
-"""Standard normal quantile of 95 %."""
+        return self.mean - WIDTH * self.sd, self.mean + WIDTH * self.sd
 
 
 def constants_of(judged: Sequence[Judged], told: Sequence[Parameter] = ()) -> tuple[Constant, ...]:
@@ -71,9 +68,8 @@ def constants_of(judged: Sequence[Judged], told: Sequence[Parameter] = ()) -> tu
     ranges = twin.card.ranges
     counted = [one for one in judged if one.probability > COUNTS] or list(judged[:1])
     share = np.array([one.probability for one in counted]) / sum(one.probability for one in counted)
-    parts = [_of_one(one) for one in counted]
-    mean = np.einsum("h,hk->k", share, np.array([today for today, _ in parts]))
-    second = sum(w * (c + np.outer(today - mean, today - mean)) for w, (today, c) in zip(share, parts, strict=True))
+    today, spread = zip(*map(_of_one, counted), strict=True)
+    mean, second = mixture(share, np.array(today), np.array(spread))
     sd = np.sqrt(np.diag(second))
     correlation = second / np.outer(sd, sd)
     before, found = _without(judged[0], told), list[Constant]()
@@ -81,8 +77,8 @@ def constants_of(judged: Sequence[Judged], told: Sequence[Parameter] = ()) -> tu
         own = ranges[name]
         others = {other: float(correlation[k, j]) for j, other in enumerate(open_) if j != k}
         sound = float(np.clip(own.nominal + before[k], own.low, own.high))  # where the model has an answer
-        today = own.nominal + float(mean[k])
-        found.append(Constant(name, own.unit, own.nominal + departure, sound, today, float(sd[k]), others))
+        now = own.nominal + float(mean[k])
+        found.append(Constant(name, own.unit, own.nominal + departure, sound, now, float(sd[k]), others))
     return tuple(found)
 
 

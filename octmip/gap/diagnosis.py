@@ -246,7 +246,7 @@ def diagnose(
         if trust_run is False and commissioning is not None:
             notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
         without = partial(beside, commissioning, is_right=False) if trust_run is None else None
-        posterior, doubts, remarks = _beside_doubt(attribute(inputs), asked, without)
+        posterior, doubts, notes = _beside_doubt(attribute(inputs), notes, asked, without)
         judged = with_identifiable(posterior.judged)
         which, closing, unknown_probability = _which(judged, posterior.unknown_probability)
         model, sizes = posterior.model, detectable(posterior.model)
@@ -264,12 +264,11 @@ def diagnose(
             states=_states(which[0].judged) if which else (),
             notes=(
                 *doubts,
-                *remarks,
+                *notes,
                 *constants_words(constants, odds.differences.constants),
                 *of_budget,
                 *of_loads,
                 *campaign.notes,
-                *notes,
             ),
             posterior=posterior,
             doubts=doubts,
@@ -282,22 +281,26 @@ _NOT_TRUSTED = "The commissioning run is left out, as it is not to be trusted (t
 
 
 def _beside_doubt(
-    posterior: Posterior, drawn: CachedTwin, without: Callable[[], tuple[Inputs, list[str]]] | None
-) -> tuple[Posterior, tuple[str, ...], tuple[str, ...]]:
-    """Return the posterior beside the run or, where that was probably wrong, without it; and why."""
+    posterior: Posterior,
+    notes: list[str],
+    drawn: CachedTwin,
+    without: Callable[[], tuple[Inputs, list[str]]] | None,
+) -> tuple[Posterior, tuple[str, ...], list[str]]:
+    """Return the posterior beside the run or, where that was probably wrong, without it; the doubt; and notes."""
     inputs = posterior.model.inputs
     sound = sum(h.probability for h in posterior.judged if not h.members and not h.has_unknown)
     if inputs.run is None or without is None or sound > SOUND_ENOUGH:
-        return posterior, (), ()
+        return posterior, (), notes
     wrong = weigh_wrong_run(posterior.model, drawn)
     probability = 1.0 / (1.0 + math.exp(min(700.0, posterior.log_total + wrong.log_usual - wrong.log_weight)))
     if probability > LIKELY:
         sentence = f"The commissioning run is doubted (probability {probability:.2f}): {wrong.words}; it is left out."
-        return attribute(without()[0]), (sentence,), ()
+        left, notes = without()
+        return attribute(left), (sentence,), notes
     if probability > POSSIBLE:
         sentence = f"The commissioning run may have been wrong (probability {probability:.2f}): {wrong.words}."
-        return posterior, (), (sentence,)
-    return posterior, (), ()
+        return posterior, (), [sentence, *notes]
+    return posterior, (), notes
 
 
 def _which(judged: Sequence[Judged], unknown_probability: float) -> tuple[tuple[Cause, ...], Shrinkage | None, float]:

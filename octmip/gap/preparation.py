@@ -8,7 +8,7 @@ import numpy as np
 from octmip.errors import DataError, TwinError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.doors.budget import Budget, within
-from octmip.gap.doors.built import as_built, built_words, by_campaign
+from octmip.gap.doors.built import as_built, built_words
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.effects import chain_of
 from octmip.gap.effects.families import History
@@ -49,7 +49,8 @@ def inputs_of(
 ) -> tuple[Inputs, list[str]]:
     """Return the inputs of the inference beside a run, and notes; of a run that is not right the noise alone counts."""
     share = odds.differences.constants
-    sound = as_built(asked, run, share) if run is not None and is_right else by_campaign(asked, campaign, share)
+    right = run if is_right else None
+    sound = as_built(asked, right or campaign, share, is_open=right is None)
     chosen = effects if effects is not None else library_of(sound, campaign)
     own, there = getattr(asked, "effects", {}), getattr(sound, "effects", {})
     chosen = {key: there[key] if effect is own.get(key) else effect for key, effect in chosen.items()}
@@ -58,7 +59,7 @@ def inputs_of(
     if not is_right:
         inputs = replace(inputs, run=None)
         inputs = replace(inputs, difference=inputs.usual)
-    if run is not None:
+    if right is not None:
         return inputs, [*lost, *built_words(asked, sound), *notes]
     return inputs, [*lost, *(note for note in notes if note != WITHOUT_RUN or not inputs.open)]
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from octmip.gap.effects.words import EffectWords, words_at
 from octmip.gap.inference.candidates import Candidate, bounds_of
+from octmip.gap.inference.evidence import mixture
 from octmip.gap.inference.inference import BETWEEN, Judged, neighbours, scales_of
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import fit_together
@@ -143,18 +144,15 @@ def changed_rows(model: LinearModel, candidate: Candidate, size: float) -> Float
 def _mixture(head: Judged, member: int, same: Sequence[Judged]) -> tuple[float, float]:
     """Return mean and variance of the size over the hypotheses that hold the member's effect once."""
     name = head.model.inputs.priors.name
-    weights, means, variances = [], [], []
+    found = [(head.probability, head.fit, head.members.index(member))]
     for h in same:
         of_effect = [k for k, j in enumerate(h.members) if name[j] == name[member]]
-        if h is head or (len(of_effect) == 1 and not h.has_unknown):
-            k = h.members.index(member) if h is head else of_effect[0]
-            own = h.fit
-            weights.append(h.probability)
-            means.append(float(own.size[k]))
-            variances.append(float(own.covariance[k, k]))
-    w, m, v = np.array(weights) / max(sum(weights), 1e-300), np.array(means), np.array(variances)
-    mean = float(w @ m)
-    return mean, max(0.0, float(w @ (v + m**2)) - mean**2)
+        if h is not head and len(of_effect) == 1 and not h.has_unknown:
+            found.append((h.probability, h.fit, of_effect[0]))
+    weights = np.array([weight for weight, *_ in found])
+    means, variances = np.array([(fit.size[k], fit.covariance[k, k]) for _, fit, k in found]).T
+    mean, variance = mixture(weights / max(weights.sum(), 1e-300), means[:, None], variances[:, None, None])
+    return float(mean[0]), float(variance[0, 0])
 
 
 def _place_error(model: LinearModel, member: int) -> float:

@@ -95,8 +95,7 @@ class AugmentedTwin(TwinAround):
     @property
     def gauge_positions(self) -> Floats | None:
         """Places (n_gauges, 2) [m], or None."""
-        places = getattr(self.twin, "gauge_positions", None)
-        return None if places is None else np.asarray(places, dtype=np.float64)
+        return positions_of(self.twin)
 
     def predict(self, state: State, load_factor: Load | Mapping[str, float], time: float = 0.0) -> Floats:
         """Return the readings (n_gauges,), effects included, `time` s from the start of the campaign."""

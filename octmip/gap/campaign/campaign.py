@@ -325,11 +325,14 @@ class Campaign:
 
     def without(self, cells: set[int]) -> "Campaign":
         """Return the campaign without the cells of these positions in `cells` (held-out data)."""
-        keep = np.sort(np.concatenate([cell.rows for k, cell in enumerate(self.cells) if k not in cells]))
+        return self.of_rows(np.sort(np.concatenate([cell.rows for k, cell in enumerate(self.cells) if k not in cells])))
+
+    def of_rows(self, rows: NDArray[np.int64]) -> "Campaign":
+        """Return some of the rows (n,), in their order."""
         by_row = ("load_factor", "states", "readings", "time", "temperature")
         return replace(
             self,
-            test=tuple(self.test[k] for k in keep),
-            numbers=tuple(self.numbers[k] for k in keep) if self.numbers else (),
-            **{name: getattr(self, name)[keep] for name in by_row},
+            test=tuple(self.test[k] for k in rows.tolist()),
+            numbers=tuple(self.numbers[k] for k in rows.tolist()) if self.numbers else (),
+            **{name: getattr(self, name)[rows] for name in by_row},
         )

@@ -97,18 +97,8 @@ def _moved(campaign: Campaign, centres: Floats, extent: Floats) -> Campaign:
         else:
             continue
         kept += members
-    order = np.array(sorted(kept), dtype=np.int64)
-    loads = loads[order]
-    return replace(
-        campaign,
-        test=tuple(campaign.test[k] for k in order.tolist()),
-        load_factor=loads[:, 0] if campaign.load_factor.ndim == 1 else loads,
-        states=campaign.states[order],
-        readings=readings[order],
-        time=campaign.time[order],
-        temperature=campaign.temperature[order],
-        numbers=tuple(campaign.numbers[k] for k in order.tolist()) if campaign.numbers else (),
-    )
+    loads = loads[:, 0] if campaign.load_factor.ndim == 1 else loads
+    return replace(campaign, readings=readings, load_factor=loads).of_rows(np.array(sorted(kept), dtype=np.int64))
 
 
 def _columns(away: Floats) -> Floats | None:

@@ -6,7 +6,7 @@
 | clipped | readings of the cells that met the end of the range are left out |
 | held | readings that repeat one another through a cell count once; no fault |
 | jump | readings of its cell are left out, later ones have an unknown offset |
-| outliers | means withstand them |
+| far-off readings | are left out |
 
 The noise is then that of the repeats, of the commissioning run, or what is known of the instrument.
 """

@@ -113,8 +113,7 @@ def stuck_in(campaign: Campaign, predicted: Floats) -> list[Fault]:
 
 
 def _stuck(channel: _Channel) -> list[Fault]:
-    runs = _runs(channel.values)
-    kept = [run for run in runs if channel.sd > 0.0 and _is_still(channel, run, runs) and not _is_rail(channel, run)]
+    kept = [run for run, is_rail in _still(channel) if not is_rail]
     if not kept:
         return []
     rows, campaign = np.concatenate(kept), channel.campaign
@@ -134,6 +133,13 @@ def _runs(values: Floats) -> list[Rows]:
     ends = np.array([0, *(np.flatnonzero(np.diff(values[recorded]) != 0.0) + 1), len(recorded)])
     long = np.flatnonzero(np.diff(ends) >= LEAST_OF_A_CELL)
     return [recorded[ends[k] : ends[k + 1]] for k in long.tolist()]
+
+
+def _still(channel: _Channel) -> list[tuple[Rows, bool]]:
+    """Return the runs that do not follow the load, and whether each stands at the end of the range."""
+    runs = _runs(channel.values)
+    still = [run for run in runs if channel.sd > 0.0 and _is_still(channel, run, runs)]
+    return [(run, _is_rail(channel, run)) for run in still]
 
 
 def _is_still(channel: _Channel, run: Rows, runs: list[Rows]) -> bool:
@@ -175,7 +181,8 @@ def clipped_in(campaign: Campaign, predicted: Floats) -> list[Fault]:
     found = []
     for channel in _channels(campaign, predicted):
         name = campaign.gauges[channel.gauge]
-        for rail in sorted({*_rails(channel), *_ends(channel)}, reverse=True):
+        ends = {float(channel.values[run[0]]) for run, is_rail in _still(channel) if is_rail}
+        for rail in sorted({*_rails(channel), *ends}, reverse=True):
             first = np.flatnonzero(channel.values == rail)
             cells = [cell for cell, rows in channel.cells if (channel.values[rows] == rail).any()]
             words = (
@@ -185,13 +192,6 @@ def clipped_in(campaign: Campaign, predicted: Floats) -> list[Fault]:
             )
             found.append(channel.fault("clipped", np.concatenate([cell.rows for cell in cells]), rail, words))
     return found
-
-
-def _ends(channel: _Channel) -> list[float]:
-    """Return the levels of runs that are still at the end of the range."""
-    runs = _runs(channel.values)
-    still = [run for run in runs if channel.sd > 0.0 and _is_still(channel, run, runs) and _is_rail(channel, run)]
-    return [float(channel.values[run[0]]) for run in still]
 
 
 def _rails(channel: _Channel) -> list[float]:

@@ -1,19 +1,10 @@
-"""Far-off readings: means that withstand them.
+"""Far-off readings: they are left out.
 
-A reading of residual r, in standard deviations of its gauge, counts with Tukey's weight w = (1 - (r / c)^2)^2 within c
-and not at all beyond. The mean mu of a cell solves sum psi = 0 with psi = w r, and to first order it is the plain mean
-of the values
-
-    y* = mu + sd psi / mean(psi'),
-
-which take the readings' place: their means are the robust means, and their scatter, across gauges and in time, is that
-of robust means. Gauges without a reading that far exceeds what normal noise gives stay as they are, at no loss.
+A reading that lies farther from the median of its cell than one of normal noise does, and from its neighbours, is none
+of the noise. Gauges without one stay as they are.
 
 Skewed noise is no contamination: where far readings are many and lie to one side, or the body of the noise leans to one
 side, readings stay as they are, since skewed noise leaves the plain mean unbiased.
-
-Source: A. E. Beaton, J. W. Tukey (1974), "The fitting of power series", Technometrics 16 (the weight); P. J. Huber
-(1981), "Robust Statistics", section 1.5 (pseudo-values).
 """
 
 from collections.abc import Mapping
@@ -35,6 +26,8 @@ CHANCE = 0.005
 """Probability that normal noise has one reading of the campaign as far off as is asked of an outlier."""
 LOCAL = 0.7
 """Share of that distance that it also has from its neighbours: slow noise and jumps take them along."""
+REACH = 3.5
+"""Standard deviations beyond which the other readings go, too, where some are far off: most of these are no noise."""
 FEWEST = 5
 """Readings of a cell that show an outlier."""
 RARE, APART = 0.06, 3.0
@@ -45,22 +38,16 @@ LOPSIDED = 3.0
 """Standard deviations of the count of far readings on either side beyond which they lie to one side."""
 SHOWN = 3.0
 """Steps of a display within which no reading is far off: the medians of a coarse one say little of its noise."""
-PASSES = 10
-"""Rounds of weights and means: they have settled to 1e-4 of a standard deviation after 6."""
-REACH = 5.0
-"""c: of normal readings the mean loses 4 % of its efficiency."""
-LEAST_SLOPE = 0.5
-"""Least mean of psi': noise that is mostly far-off readings is no noise with outliers."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Robust:
-    """Readings whose plain means are robust means.
+    """Readings without those that are far off.
 
     Attributes
     ----------
     readings
-        (n_rows, n_gauges) in their units.
+        (n_rows, n_gauges) in their units, NaN of what is left out.
     share
         by gauge with far-off readings, their share.
     is_one_sided
@@ -73,7 +60,7 @@ class Robust:
 
 
 def robust(campaign: Campaign) -> Robust:
-    """Return the readings with those of gauges with outliers replaced."""
+    """Return the readings of a campaign without those that are far off."""
     readings = np.array(campaign.readings)
     number = np.full(len(readings), -1)
     for k, cell in enumerate(campaign.cells):
@@ -88,6 +75,7 @@ def robust(campaign: Campaign) -> Robust:
     centre, sd = _start(every, cell_of)
     far = _far((every - centre[cell_of]) / sd, cell_of)
     far &= np.abs(every - centre[cell_of]) * scale > SHOWN * steps_of(campaign)
+    nearer = far.any(axis=0) & (np.abs(every - centre[cell_of]) > REACH * sd)
     gauges = np.flatnonzero(far.any(axis=0))
     if not gauges.size or _is_skewed((every - centre[cell_of]) / sd):
         return Robust(readings, {})
@@ -97,7 +85,7 @@ def robust(campaign: Campaign) -> Robust:
     is_one_sided = min(up, down) == 0 or abs(up - down) > LOPSIDED * np.sqrt(up + down)
     if is_one_sided and (float(share.mean()) > RARE or abs(float(residual[own].mean())) < APART):
         return Robust(readings, {})
-    readings[np.ix_(rows, gauges)] = _pseudo_values(every[:, gauges], cell_of, centre[:, gauges], sd[gauges]) * scale
+    readings[rows] = np.where(far | nearer, np.nan, readings[rows])
     by_name = {campaign.gauges[k]: float(s) for k, s in zip(gauges, share, strict=True)}
     return Robust(readings, by_name, is_one_sided)
 
@@ -150,18 +138,3 @@ def _nanmedian(values: Floats) -> Floats:
     found = np.full(values.shape[1], np.nan)
     found[seen] = np.nanmedian(values[:, seen], axis=0)
     return found
-
-
-def _pseudo_values(values: Floats, cell_of: NDArray[np.int64], centre: Floats, sd: Floats) -> Floats:
-    """Return the values (n_rows, n_gauges) whose plain means are robust ones; centre (n_cells, n_gauges) to begin."""
-    member = (cell_of[:, None] == np.arange(len(centre))).astype(np.float64)
-    recorded, filled = np.isfinite(values), np.nan_to_num(values)
-    for _ in range(PASSES):
-        r = np.where(recorded, (values - centre[cell_of]) / sd, REACH)
-        inside = np.maximum(0.0, 1.0 - (r / REACH) ** 2)
-        weight = member.T @ inside**2
-        centre = np.where(weight > 0.0, (member.T @ (inside**2 * filled)) / np.maximum(weight, 1e-9), centre)
-    slope = inside * (inside - 4.0 * (r / REACH) ** 2)
-    mean_slope = np.maximum(slope.sum(axis=0) / recorded.sum(axis=0), LEAST_SLOPE)
-    found = values - r * sd + sd * r * inside**2 / mean_slope
-    return np.asarray(np.where(recorded, found, np.nan))

@@ -11,7 +11,7 @@ What the campaign is asked for are changes from there.
 Source: Tarantola (2005), "Inverse Problem Theory", section 3.4.4; Broyden (1965), Math. Comp. 19.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -21,9 +21,8 @@ from numpy.typing import NDArray
 from octmip.errors import TwinError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.doors.card import INSIDE
-from octmip.gap.doors.function import FunctionTwin, Setting
+from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.twins import CachedTwin
-from octmip.twin import Load, State
 
 Floats = NDArray[np.float64]
 
@@ -40,68 +39,38 @@ CLOSE = 0.02
 """A step that is none, over the prior sd."""
 
 
-def as_built(twin: CachedTwin, run: Campaign | None, share: float) -> CachedTwin:
-    """Return the twin with the constants that a run says; the twin itself without a run, or where it has no card.
+def as_built(twin: CachedTwin, run: Campaign, share: float, is_open: bool = False) -> CachedTwin:
+    """Return the twin with the constants that a run says, or those that a campaign makes likely, which stay open.
 
-    `share` is the prior sd of a constant over that of the drawing.
+    The twin itself where it has no card, or no constants that vary. `share` is the prior sd of a constant over that of
+    the drawing.
 
     Raises
     ------
     TwinError
         the model fails, or answers no finite numbers.
     """
-    if run is None or not isinstance(twin.twin, FunctionTwin):
-        return twin
-    own = built_by(run, twin, share)
-    if own is None:
-        return twin
-    found = CachedTwin(twin.twin.at(own.values, own.signature_error, slopes=own.slopes))
-    found.units = twin.units
-    return found
-
-
-def by_campaign(twin: CachedTwin, campaign: Campaign, share: float) -> CachedTwin:
-    """Return the twin with the constants that a campaign without a run makes likely, which stay open."""
-    own = built_by(campaign, twin, share) if isinstance(twin.twin, FunctionTwin) else None
+    own = built_by(run, twin, share) if isinstance(twin.twin, FunctionTwin) else None
     if own is None or not isinstance(twin.twin, FunctionTwin):
         return twin
-    drawn = twin.twin.constants
-    open_ = {k: (drawn[k].nominal - value, share * abs(drawn[k].nominal)) for k, value in own.values.items()}
-    found = CachedTwin(twin.twin.at(own.values, None, open_))
+    drawn = {name: twin.twin.constants[name].nominal for name in own.values}
+    open_ = {name: (drawn[name] - value, share * abs(drawn[name])) for name, value in own.values.items()}
+    built = twin.twin.at(own.values, None, open_) if is_open else twin.twin.at(own.values, own.signature_error)
+    found = CachedTwin(built)
     found.units = twin.units
     return found
 
 
-def of_drawing(
-    drawn: CachedTwin, sound: CachedTwin, share: float, asked: Sequence[tuple[State, Load]]
-) -> tuple[Floats, Floats]:
-    """Return what the drawing reads more than the asset by its run (n, n_gauges), and slopes (k, n, n_gauges) there.
+def departures(drawn: CachedTwin, sound: CachedTwin, share: float) -> dict[str, tuple[float, float]]:
+    """Return the drawing's value of each constant that a run said less that of the run, and its prior sd, by name.
 
-    Parameters
-    ----------
-    drawn, sound
-        the model with the constants of its drawing, and with those of the run.
-    share
-        prior sd of a constant over that of the drawing.
-    asked
-        n states and loads.
-
-    The slopes are per prior sd of each of the k constants that the run said; without such constants there are none.
+    `drawn` and `sound` are the model with the constants of its drawing and with those of the run; `share` is the sd of
+    a constant over that of the drawing.
     """
-    own = drawn.twin
-    if drawn is sound or not isinstance(own, FunctionTwin) or not isinstance(sound.twin, FunctionTwin):
-        return np.zeros((len(asked), len(sound.gauges))), np.zeros((0, len(asked), len(sound.gauges)))
-    sds = {name: share * abs(own.constants[name].nominal) for name in sound.twin.said}
-    slopes = np.array([own.slopes(state, load, sds) for state, load in asked]).transpose(1, 0, 2)
-    return np.array([own.predict(state, load) - sound.predict(state, load) for state, load in asked]), slopes
-
-
-def departures(drawn: CachedTwin, sound: CachedTwin, share: float) -> Floats:
-    """Return how many prior sds (k,) the drawing's constants are from those that the run said."""
     if drawn is sound or not isinstance(drawn.twin, FunctionTwin) or not isinstance(sound.twin, FunctionTwin):
-        return np.zeros(0)
+        return {}
     built, own = sound.twin.card.ranges, drawn.twin.constants
-    return np.array([(own[k].nominal - built[k].nominal) / (share * abs(own[k].nominal)) for k in sound.twin.said])
+    return {k: (own[k].nominal - built[k].nominal, share * abs(own[k].nominal)) for k in sound.twin.said}
 
 
 def built_words(drawn: CachedTwin, sound: CachedTwin) -> list[str]:
@@ -129,13 +98,10 @@ class Built:
         of the parameters, by name.
     signature_error
         relative sd of what an effect changes: a twin that reads the sound asset well knows its changes well.
-    slopes
-        (n_readings,) what a unit of a parameter changes, by its name, then by states and loads of the run.
     """
 
     values: Mapping[str, float]
     signature_error: float
-    slopes: Mapping[str, Mapping[Setting, Floats]]
 
 
 def built_by(run: Campaign, cached: CachedTwin, share: float) -> Built | None:
@@ -150,9 +116,9 @@ def built_by(run: Campaign, cached: CachedTwin, share: float) -> Built | None:
     if not ranges or run.load_names != twin.loads or not all(cell.is_known for cell in run.cells):
         return None
     read = _Read.of(run, cached, twin, share)
-    answers = read.asked(np.zeros(len(ranges)))
-    rows = read.rows_near(read.of_run(answers))
-    return _fitted(read, answers, rows) if len(rows) else None
+    here = read.asked(np.zeros(len(ranges)))
+    rows = read.rows_near(here)
+    return _fitted(read, here, rows) if len(rows) else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -200,18 +166,11 @@ class _Read:
         """Return the constants by name, given how many sd (n_constants,) each is off the drawing."""
         return dict(zip(self.twin.constants, (self.nominal + self.spread * shares).tolist(), strict=True))
 
-    @property
-    def settings(self) -> list[tuple[State, Load]]:
-        """States and loads of the run's cells."""
-        return [(dict(zip(self.run.parameters, c.state.tolist(), strict=True)), c.load) for c in self.run.cells]
-
     def asked(self, shares: Floats) -> Floats:
-        """Return what the model reads in all cells (n_cells, n_readings)."""
-        values = self.values(shares)
-        return np.array([self.cached.checked(partial(self.twin.ask, *at, values), *at) for at in self.settings])
-
-    def of_run(self, answers: Floats) -> Floats:
-        """Return those of the model's readings (n_cells, n_readings, ...) of which the run has a mean (n, ...)."""
+        """Return what the model reads where the run has a mean (n,)."""
+        values, run = self.values(shares), self.run
+        settings = [(dict(zip(run.parameters, cell.state.tolist(), strict=True)), cell.load) for cell in run.cells]
+        answers = np.array([self.cached.checked(partial(self.twin.ask, *at, values), *at) for at in settings])
         return np.asarray(answers[:, list(self.order)][self.seen])
 
     def rms(self, values: Floats) -> Floats:
@@ -226,37 +185,34 @@ class _Read:
         return np.flatnonzero(self.rms(self.mean - here) < FAR * self.rms(here))
 
 
-def _fitted(read: _Read, answers: Floats, rows: NDArray[np.int64]) -> Built:
-    """Return the most probable constants by some rows, from what the drawing's read (n_cells, n_readings)."""
+def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
+    """Return the most probable constants by some rows, from what the drawing's read (n,)."""
     ends = np.array([(own.low, own.high) for own in read.twin.constants.values()])
     inside = ends + INSIDE * np.ptp(ends, axis=1)[:, None] * np.array([1.0, -1.0])
     least, most = ((inside - read.nominal[:, None]) / read.spread[:, None]).T
-    size, measured = read.rms(read.of_run(answers))[rows], read.mean[rows]
+    size, measured, here = read.rms(here)[rows], read.mean[rows], here[rows]
     weight = (read.variance[rows] + (MODEL * size) ** 2) ** -0.5
     ahead = np.array([own.ahead(sd)[1] for own, sd in zip(read.twin.constants.values(), read.spread, strict=True)])
-    slopes, told = np.zeros((*answers.shape, len(ahead))), np.ones(len(ahead), dtype=bool)
+    slopes, told = np.zeros((len(rows), len(ahead))), np.ones(len(ahead), dtype=bool)
     for k, step in enumerate(np.diag(ahead)):
         try:
-            slopes[..., k] = (read.asked(step) - answers) / step.sum()
+            slopes[:, k] = (read.asked(step)[rows] - here) / step.sum()
         except TwinError:  # a constant at whose other values the model fails stays as drawn
             told[k] = False
     at = np.zeros(len(ahead))
     for _ in range(STEPS):
-        here, slope = read.of_run(answers)[rows], read.of_run(slopes)[rows]
-        white, left = slope * weight[:, None], (measured - here + slope @ at) * weight
+        white, left = slopes * weight[:, None], (measured - here + slopes @ at) * weight
         moved = np.clip(np.linalg.solve(white.T @ white + np.eye(len(at)), white.T @ left), least, most)
         step = moved - at
         if np.abs(step).max() < CLOSE:
             break
         try:
-            there = read.asked(moved)
+            there = read.asked(moved)[rows]
         except TwinError:
             break
-        slopes = slopes + (there - answers - slopes @ step)[..., None] * step / (step @ step)
-        at, answers = moved, there
-    left = (measured - read.of_run(answers)[rows]) ** 2 - read.variance[rows]
+        slopes = slopes + np.outer(there - here - slopes @ step, step) / (step @ step)
+        at, here = moved, there
+    left = (measured - here) ** 2 - read.variance[rows]
     error = float(np.clip(PER_MISFIT * np.sqrt((np.maximum(0.0, left) / size**2).mean()), *ERRORS))
     values = {name: value for (name, value), has in zip(read.values(at).items(), told, strict=True) if has}
-    settings, per_unit = [read.twin.setting(*where) for where in read.settings], slopes / read.spread
-    known = {name: dict(zip(settings, per_unit[..., k], strict=True)) for k, name in enumerate(read.twin.constants)}
-    return Built(values, error, {name: known[name] for name in values})
+    return Built(values, error)

@@ -34,8 +34,6 @@ Applied = float | Mapping[str, float]
 """What is applied: a number where the model has one load, else all loads by name."""
 Function = Callable[[Mapping[str, float], Mapping[str, float]], Any]
 """Values of all parameters and states, and of all loads, by name -> readings by name, or in the order of the card."""
-Setting = tuple[float, ...]
-"""Values of all states and loads, in the order of the card."""
 Ask = Callable[[State, Any, Mapping[str, float]], Floats]
 """State, load and values of parameters that are not nominal -> readings (n_gauges,)."""
 SHARE = 0.25
@@ -116,11 +114,10 @@ class FunctionTwin:
         values: Mapping[str, float],
         signature_error: float | None,
         open_: Mapping[str, tuple[float, float]] = MappingProxyType({}),
-        slopes: Mapping[str, Mapping[Setting, Floats]] = MappingProxyType({}),
     ) -> "FunctionTwin":
         """Return the twin with other nominal values of some parameters, and of how well it knows what each does.
 
-        None: no run says that. Slopes that are known are not asked for again. The answers are shared.
+        None: no run says that. The answers are shared.
         """
         twin = copy(self)
         error, whose = (SIGNATURE_ERROR, OPEN) if signature_error is None else (signature_error, SOUND)
@@ -131,9 +128,7 @@ class FunctionTwin:
             name: replace(
                 parameter_effect(name, ranges[name], twin.ask, whose if name in values else MODEL),
                 signature_error=error,
-                **(
-                    {"slope": partial(_known, twin, slopes[name])} if name in slopes else self._from_drawing(twin, name)
-                ),
+                **self._from_drawing(twin, name),
             )
             for name, effect in self.effects.items()
             if isinstance(getattr(effect, "apply", None), _Moved)
@@ -158,10 +153,6 @@ class FunctionTwin:
             found[k] = (self.ask(state, load, {name: there}) - here) / step
         return found
 
-    def open_slopes(self, state: State, load: Applied) -> Floats:
-        """Return what a prior sd of each constant that is open changes in the readings (n_open, n_readings)."""
-        return self.slopes(state, load, {name: sd for name, (_, sd) in self.open.items()})
-
     def predict(self, state: State, load_factor: Applied) -> Floats:
         """Return the readings (n_readings,) at the parameters' nominal values."""
         return self.ask(state, load_factor, {})
@@ -177,10 +168,6 @@ class FunctionTwin:
             if self.watch is not None:
                 self.watch(len(self.answers))
         return self.answers[key]
-
-    def setting(self, state: State, load: Applied) -> Setting:
-        """Return the values of all states and loads, in the order of the card."""
-        return *(float(state.get(name, 0.0)) for name in self.card.states), *self._by_name(load).values()
 
     def _by_name(self, load: Applied) -> dict[str, float]:
         """Return the loads in the order of the card.
@@ -295,10 +282,6 @@ class _FromDrawing:
         here = self.ask(state, load, {})
         back = (self.ask(state, load, {self.name: self.there}) - here) * (self.departure / self.step)
         return readings + self.ask(state, load, {self.name: self.drawn + size}) - here - back
-
-
-def _known(twin: FunctionTwin, slopes: Mapping[Setting, Floats], state: State, load: Applied) -> Floats | None:
-    return slopes.get(twin.setting(state, load))
 
 
 def _today(twin: FunctionTwin, name: str, sd: float, state: State, load: Applied) -> Floats:

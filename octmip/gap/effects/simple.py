@@ -61,8 +61,7 @@ class SimpleEffect:
     signature_error
         relative sd of what it changes: models of one thing differ by some parts in a hundred.
     slope
-        state and load -> what a unit of its size changes about 0 (n_gauges,), where that is known without asking the
-        twin; None, there or as a whole: by a finite difference.
+        state and load -> what a unit of its size changes about 0 (n_gauges,); None: by a finite difference.
     tests
         of a campaign in which it may have a size of its own: each is a place, "test " and its name.
 
@@ -89,7 +88,7 @@ class SimpleEffect:
     says: tuple[str, str] = ("", "")
     step: float = 0.1
     signature_error: float = SIGNATURE_ERROR
-    slope: Callable[[State, Any], Floats | None] | None = None
+    slope: Callable[[State, Any], Floats] | None = None
     tests: tuple[str, ...] = ()
     n_arguments: int = field(init=False)
 
@@ -112,9 +111,8 @@ class SimpleEffect:
 
     def signature(self, twin: Twin, state: State, load_factor: Any, place: str = "", time: float = 0.0) -> Floats:
         """Return the change of the readings (n_gauges,) per unit of size about 0."""
-        known = None if self.slope is None else self.slope(state, load_factor)
-        if known is not None:
-            return known
+        if self.slope is not None:
+            return self.slope(state, load_factor)
         readings = np.asarray(twin.predict(state, load_factor), dtype=np.float64)
         step = self.step * self.prior_sd
         ahead, behind = min(step, self.bounds[1]), max(-step, self.bounds[0])

@@ -60,13 +60,23 @@ def mixed(fits: Sequence[Fit], log_shares: Floats, levels: Sequence[float]) -> F
     """
     logs = np.array([one.log_factor for one in fits]) + log_shares
     total = float(np.logaddexp.reduce(logs))
-    share = np.exp(logs - total)
-    size = np.sum([w * one.size for w, one in zip(share, fits, strict=True)], axis=0)
-    spread = [
-        w * (one.covariance + np.outer(one.size - size, one.size - size)) for w, one in zip(share, fits, strict=True)
-    ]
-    best = levels[int(np.argmax(logs))]
-    return Fit(fits[0].members, total, size, np.sum(spread, axis=0), best)
+    sizes, covariances = np.array([one.size for one in fits]), np.array([one.covariance for one in fits])
+    size, covariance = mixture(np.exp(logs - total), sizes, covariances)
+    return Fit(fits[0].members, total, size, covariance, levels[int(np.argmax(logs))])
+
+
+def mixture(share: Floats, mean: Floats, covariance: Floats) -> tuple[Floats, Floats]:
+    """Return mean (..., m) and covariance (..., m, m) of a mixture.
+
+    Parameters
+    ----------
+    share, mean, covariance
+        of its k parts: (..., k), (..., k, m) and (..., k, m, m).
+    """
+    middle = np.einsum("...k,...ki->...i", share, mean)
+    away = mean - middle[..., None, :]
+    spread = covariance + away[..., :, None] * away[..., None, :]
+    return middle, np.einsum("...k,...kij->...ij", share, spread)
 
 
 def alike(prior: Priors, sets: Sequence[Members]) -> list[list[Members]]:
@@ -89,10 +99,7 @@ def fits_of(prior: Priors, sets: Sequence[Members], gram: Floats, projection: Fl
         gram[:, None], projection[:, None], prior.mean[index][:, None], sd, prior.bounds[:, index][:, :, None]
     )
     total = np.logaddexp.reduce(logs, axis=1) - np.log(len(choices))
-    share = np.exp(logs - total[:, None]) / len(choices)
-    size = np.einsum("sk,ski->si", share, sizes)
-    second = np.einsum("sk,skij->sij", share, covariances + sizes[..., :, None] * sizes[..., None, :])
-    covariance = second - size[:, :, None] * size[:, None, :]
+    size, covariance = mixture(np.exp(logs - total[:, None]) / len(choices), sizes, covariances)
     rows = zip(sets, total.tolist(), size, covariance, strict=True)
     return [Fit(members, value, mean, spread) for members, value, mean, spread in rows]
 

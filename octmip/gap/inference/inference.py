@@ -263,9 +263,7 @@ class Inference:
             others = np.arange(len(members)) != k
             beside = tuple(members[i] for i in np.flatnonzero(others))
             gram = self._reduced(members, self._errors(beside, size[others], level)[0])[0]
-            cross = gram[others, k]
-            within = (gram + precision)[np.ix_(others, others)]
-            left.append(gram[k, k] - cross @ np.linalg.solve(within, cross))
+            left.append(1.0 / np.linalg.inv(gram + precision)[k, k] - precision[k, k])  # what the others leave
         return np.asarray(np.abs(size) * np.sqrt(np.maximum(left, 0.0)))
 
     def identifiable(self, members: Members) -> Members:

@@ -185,8 +185,8 @@ class Inputs:
 
     @property
     def open(self) -> Mapping[str, tuple[float, float]]:
-        """Constants that no run says, by name: the drawing's less the twin's, and the prior sd."""
-        return getattr(self.twin.twin, "open", {})
+        """Constants that no run says, as the frame has them."""
+        return self.frame.open
 
     @property
     def order(self) -> tuple[int, ...]:

@@ -267,7 +267,7 @@ def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:
 
 def difference_at(inputs: Inputs, load: Load, state: Mapping[str, float], level: float = 1.0) -> tuple[Floats, Floats]:
     """Return mean (n_gauges,) and covariance of the difference at a load and a state, given the run."""
-    given = _given_run(inputs, level, inputs.frame.row_of_each_gauge(load, dict(state)))
+    given = _given_run(inputs, level, inputs.frame.row_of_each_gauge(load, state))
     return given.mean, given.covariance
 
 

@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 LAPS, N_ALONE, N_TOGETHER = 5, 3, 3
 WIDE = 3.0
 """Prior sds within which a size is refitted."""
-CLOSE, NEAR = 0.04, 0.1
+CLOSE, NEAR = 0.02, 0.1
 """Relative change of a size below which its chord stays: of effects that explain the readings together, of others."""
 SEEN, AHEAD = 2.0, 4.0
 """d' below which an effect is as good as linear; steps that one by the last two chords takes at most."""

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.campaign.campaign import Cell
+from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.twins import CachedTwin
 from octmip.twin import Load, State, amounts_of
 
@@ -121,12 +122,17 @@ class Frame:
         half = np.ptp(amounts, axis=0) / 2.0
         return np.asarray(np.array(amounts_of(load)) / np.where(half > 0.0, half, 1.0))
 
-    def constants(self, state: State, load: Load) -> Floats:
-        """Return what a prior sd of each constant that is open changes (n_gauges, k)."""
-        slopes = getattr(self.twin.twin, "open_slopes", None)
-        if slopes is None:
+    @property
+    def open(self) -> Mapping[str, tuple[float, float]]:
+        """Constants that no run says, by name: the drawing's less the twin's, and the prior sd."""
+        return self.twin.twin.open if isinstance(self.twin.twin, FunctionTwin) else {}
+
+    def slopes(self, sds: Mapping[str, float], state: State, load: Load) -> Floats:
+        """Return what a standard deviation of each of k constants changes (n_gauges, k)."""
+        if not sds:
             return np.zeros((len(self.order), 0))
-        return np.asarray(slopes(state, load)[:, list(self.order)].T)
+        assert isinstance(self.twin.twin, FunctionTwin)
+        return np.asarray(self.twin.twin.slopes(state, load, sds)[:, list(self.order)].T)
 
     def along(self, length: float) -> Floats:
         """Return a correlation (n_gauges, n_gauges) that falls along the structure, over `length` of its extent."""
@@ -149,44 +155,42 @@ class Frame:
 
     def means(self, averages: Sequence[Cell], states: Floats, first_test: int) -> Means:
         """Return the rows of averages of these gauges in states (n_cells, n_parameters); tests count from a number."""
-        order = list(self.order)
-        named = [dict(zip(self.twin.parameters, states[part.number].tolist(), strict=True)) for part in averages]
-        pairs = [(state, part.load) for state, part in zip(named, averages, strict=True)]
-        now = np.array([self.twin.predict(*asked) for asked in pairs])
-        healthy = np.array([self.twin.predict({}, part.load) for part in averages])[:, order]
-        now, (average, gauge) = now[:, order], recorded(averages)
+        own = states[[part.number for part in averages]]
+        average, gauge = recorded(averages)
         tests = {name: first_test + k for k, name in enumerate(dict.fromkeys(part.test for part in averages))}
-        rows = Rows(
-            gauge=gauge,
-            load=np.array([self.loads[part.load] for part in averages])[average],
-            test=np.array([tests[part.test] for part in averages])[average],
-            state=np.array([_number(states[part.number]) for part in averages])[average],
-            healthy=healthy[average, gauge],
-            change=(now - healthy)[average, gauge],
-            share=np.array([self.shares(row) for row in healthy])[average, gauge],
-            applied=np.array([self.applied(part.load) for part in averages])[average],
-            constants=np.array([self.constants(*asked) for asked in pairs])[average, gauge],
-        )
+        number, loads = np.array([tests[part.test] for part in averages]), [part.load for part in averages]
+        now, rows = self._rows(own, loads, number, average, gauge)
         measured = np.array([part.mean for part in averages])[average, gauge]
         return Means(average, gauge, measured, now[average, gauge], now, rows)
 
-    def row_of_each_gauge(self, load: Load, state: dict[str, float]) -> Rows:
+    def row_of_each_gauge(self, load: Load, state: Mapping[str, float]) -> Rows:
         """Return a row (n_gauges,) for every gauge at a load, in a test of its own."""
-        order, n = list(self.order), len(self.order)
-        healthy = self.twin.predict({}, load)[order]
-        now = self.twin.predict(state, load)[order]
-        values = np.array([state.get(name, 0.0) for name in self.twin.parameters])
-        return Rows(
-            gauge=np.arange(n, dtype=np.int64),
-            load=np.full(n, self.loads.get(load, -1), dtype=np.int64),
-            test=np.full(n, -1, dtype=np.int64),
-            state=np.full(n, _number(values), dtype=np.int64),
-            healthy=healthy,
-            change=now - healthy,
-            share=self.shares(healthy),
-            applied=np.tile(self.applied(load), (n, 1)),
-            constants=self.constants(state, load),
+        values = np.array([[state.get(name, 0.0) for name in self.twin.parameters]])
+        gauge = np.arange(len(self.order), dtype=np.int64)
+        return self._rows(values, [load], np.array([-1]), np.zeros_like(gauge), gauge)[1]
+
+    def _rows(
+        self, states: Floats, loads: Sequence[Load], test: Ints, average: Ints, gauge: Ints
+    ) -> tuple[Floats, Rows]:
+        """Return predictions (n_averages, n_gauges) in states at loads, and the rows of some averages and gauges."""
+        order = list(self.order)
+        named = [dict(zip(self.twin.parameters, state.tolist(), strict=True)) for state in states]
+        asked = list(zip(named, loads, strict=True))
+        now = np.array([self.twin.predict(*one) for one in asked])[:, order]
+        sds = {name: sd for name, (_, sd) in self.open.items()}
+        healthy = np.array([self.twin.predict({}, load) for load in loads])[:, order]
+        rows = Rows(
+            gauge=gauge,
+            load=np.array([self.loads.get(load, -1) for load in loads])[average],
+            test=test[average],
+            state=np.array([_number(state) for state in states])[average],
+            healthy=healthy[average, gauge],
+            change=(now - healthy)[average, gauge],
+            share=np.array([self.shares(row) for row in healthy])[average, gauge],
+            applied=np.array([self.applied(load) for load in loads])[average],
+            constants=np.array([self.slopes(sds, *one) for one in asked])[average, gauge],
         )
+        return now, rows
 
 
 def _scale(twin: CachedTwin, order: Sequence[int], kind: Ints, load: Load) -> Floats:

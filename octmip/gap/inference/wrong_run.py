@@ -11,7 +11,7 @@ the model by the run, and C the columns of a prior sd of each, the rows r of bot
 place of N(0, I). A right run has the same factor over its own rows, about its own constants.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,12 +19,13 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from octmip.gap.campaign.campaign import Cell
-from octmip.gap.doors.built import departures, of_drawing
+from octmip.gap.doors.built import departures
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.evidence import single_logs
 from octmip.gap.inference.inputs import Inputs, Run, levels_without_run
 from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.rows import Means
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
 from octmip.gap.inference.whitening import Whitening, log_normal
@@ -68,10 +69,11 @@ def weigh_wrong_run(model: LinearModel, drawn: CachedTwin) -> WrongRun:
     prior = float(np.log(max(inputs.odds.wrong_run, 1e-300))) + float(np.log(inputs.odds.count[0]))
     good = replace(inputs, difference=inputs.usual)  # beside a wrong run the twin may well be good
     models = [model, *(replace(model, inputs=good).under(level) for level in (1.0, 2.0))]
-    drawing = _of_drawing(model, run, drawn)
-    stacks = [
-        _Stack.of(one, *drawing, departures(drawn, inputs.twin, inputs.odds.differences.constants)) for one in models
-    ]
+    open_ = departures(drawn, inputs.twin, inputs.odds.differences.constants)
+    sds, away = {name: sd for name, (_, sd) in open_.items()}, np.array([gone / sd for gone, sd in open_.values()])
+    in_run = _slopes(inputs, sds, run.averages, run.means, _states(run, inputs))
+    in_campaign = _slopes(inputs, sds, inputs.averages, model.means, model.states)
+    stacks = [_Stack.of(one, in_run, in_campaign, away) for one in models]
     columns = {_by_effect: _of_effects(inputs, run), _by_state: _of_states(inputs, run)}
     found = [part(one, columns[part]) for part in columns for one in stacks]
     shares = [SHARES[k] / len(models) for k in ("effect", "state") for _ in models]
@@ -86,14 +88,14 @@ def weigh_wrong_run(model: LinearModel, drawn: CachedTwin) -> WrongRun:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Stack:
-    """The whitened rows of run and campaign, over constants that are open.
+    """The rows of run and campaign, whitened over constants that are open.
 
     Attributes
     ----------
     model
         of the campaign beside the run.
-    constants
-        (n_rows, n_constants) columns of a prior sd.
+    whitening
+        of the rows that the model whitens, by I + C C'.
     left
         (n_rows,) readings less what the drawing says.
     log_of_both, log_of_run
@@ -101,24 +103,25 @@ class _Stack:
     """
 
     model: LinearModel
-    constants: Floats
+    whitening: Whitening
     left: Floats
     log_of_both: float
     log_of_run: float
 
     @classmethod
     def of(cls, model: LinearModel, in_run: Floats, in_campaign: Floats, departures: Floats) -> "_Stack":
-        """Return that of columns (n_run, 1 + k) and (n, 1 + k): what the drawing reads more, and its k constants."""
+        """Return that of columns (n_run, k) and (n, k) of k constants, and the drawing's values (k,) in prior sds."""
         given, run = model.given, model.inputs.run
         assert given.of_run is not None
         assert run is not None
-        columns = _stacked(model, in_run, in_campaign)
-        more, constants = columns[:, 0], columns[:, 1:]
-        rest, n_run = np.concatenate([given.of_run.of_columns(run.residual), model.left]), len(run.residual)
-        by_run = rest[:n_run] - constants[:n_run] @ departures
-        log_of_both = _log_open(constants, rest - more) + 0.5 * float(rest @ rest)
-        log_of_run = _log_open(constants[:n_run], by_run) + 0.5 * float(rest[:n_run] @ rest[:n_run])
-        return cls(model, constants, rest - more, log_of_both, log_of_run)
+        constants = _stacked(model, in_run, in_campaign)
+        rest = np.concatenate([given.of_run.of_columns(run.residual), model.left])
+        left, open_ = rest - constants @ departures, np.eye(len(rest)) + constants @ constants.T
+        added = [
+            log_normal(open_[:n, :n], left[:n]) - log_normal(np.eye(n), rest[:n]) for n in (len(rest), len(in_run))
+        ]
+        whitening = Whitening.of(open_)
+        return cls(model, whitening, whitening.of_columns(left), *added)
 
     @property
     def run(self) -> Run:
@@ -128,24 +131,15 @@ class _Stack:
 
     def weighed(self, columns: Floats) -> tuple[Floats, Floats]:
         """Return squared lengths and projections (k,) of columns (n_run, k) that the run alone has."""
-        own = _stacked(self.model, columns, np.zeros((self.model.n, columns.shape[1])))
-        both = np.column_stack([own, self.left])
-        beside = Whitening.of(np.eye(self.constants.shape[1]) + self.constants.T @ self.constants)
-        taken = beside.of_columns(self.constants.T @ both)
-        lengths = np.einsum("ij,ij->j", own, own) - np.einsum("ij,ij->j", taken[:, :-1], taken[:, :-1])
-        return lengths, own.T @ self.left - taken[:, :-1].T @ taken[:, -1]
+        both = _stacked(self.model, columns, np.zeros((self.model.n, columns.shape[1])))
+        own = self.whitening.of_columns(both)
+        return np.einsum("ij,ij->j", own, own), own.T @ self.left
 
 
-def _of_drawing(model: LinearModel, run: Run, drawn: CachedTwin) -> tuple[Floats, Floats]:
-    """Return the columns (n_run, 1 + k) and (n, 1 + k) of a stack: what the drawing reads more, and its constants."""
-    inputs, found = model.inputs, []
-    states = (_states(run, inputs), model.states)
-    for averages, means, own in zip((run.averages, inputs.averages), (run.means, model.means), states, strict=True):
-        asked = [(inputs.named(own[part.number]), part.load) for part in averages]
-        more, slopes = of_drawing(drawn, inputs.twin, inputs.odds.differences.constants, asked)
-        columns = np.concatenate([more[None], slopes])[:, :, list(inputs.order)]
-        found.append(columns[:, means.average, means.gauge].T)
-    return found[0], found[1]
+def _slopes(inputs: Inputs, sds: Mapping[str, float], averages: Sequence[Cell], means: Means, states: Floats) -> Floats:
+    """Return what a prior sd of each constant changes in some means (n, k)."""
+    asked = [(inputs.named(states[part.number]), part.load) for part in averages]
+    return np.array([inputs.frame.slopes(sds, *one) for one in asked])[means.average, means.gauge]
 
 
 def _stacked(model: LinearModel, in_run: Floats, in_campaign: Floats) -> Floats:
@@ -155,13 +149,6 @@ def _stacked(model: LinearModel, in_run: Floats, in_campaign: Floats) -> Floats:
     assert given.across is not None
     of_run = given.of_run.of_columns(in_run)
     return np.concatenate([of_run, model.whiten(in_campaign - given.across.T @ of_run)])
-
-
-def _log_open(constants: Floats, left: Floats) -> float:
-    """Return the log density of whitened rows (n,) over open constants (n, k), but for that of the whitening."""
-    beside = Whitening.of(np.eye(constants.shape[1]) + constants.T @ constants)
-    taken = beside.of_columns(constants.T @ left)
-    return float(0.5 * (taken @ taken - left @ left) - beside.log_volume)
 
 
 def _of_effects(inputs: Inputs, run: Run) -> Floats:

@@ -9,12 +9,10 @@ from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
 from octmip.gap.location import whole_means
+from octmip.gap.sizes import WIDTH
 from octmip.twin import Load
 
 Floats = NDArray[np.float64]
-
-WIDTH = 1.645
-"""Standard deviations of a 90 % interval."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
