@@ -172,7 +172,7 @@ class Diagnosis(InWords):
             built = {name: one.nominal for name, one in sound.card.ranges.items()}
             built |= {one.name: one.sound for one in self.constants}
             own = own.at(built, sound.signature_error)
-            stays |= {(name, ""): own.effects[name] for name in sound.open if (name, "") in stays}
+            stays |= {(name, ""): own.effects[name] for name in inputs.open if (name, "") in stays}
         additions = [Addition(stays[p.effect, p.place], p.place, p.size) for p in parts]
         additions.sort(key=lambda addition: in_chain(addition.effect))  # the structure first, the chain last
         difference = None if inputs.run is None else partial(whole_difference, inputs, level)
@@ -246,7 +246,7 @@ def diagnose(
         if trust_run is False and commissioning is not None:
             notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
         without = partial(beside, commissioning, is_right=False) if trust_run is None else None
-        posterior, doubts, notes = _beside_doubt(attribute(inputs), notes, asked, without)
+        posterior, doubts, notes = _beside_doubt(attribute(inputs), notes, without)
         judged = with_identifiable(posterior.judged)
         which, closing, unknown_probability = _which(judged, posterior.unknown_probability)
         model, sizes = posterior.model, detectable(posterior.model)
@@ -283,7 +283,6 @@ _NOT_TRUSTED = "The commissioning run is left out, as it is not to be trusted (t
 def _beside_doubt(
     posterior: Posterior,
     notes: list[str],
-    drawn: CachedTwin,
     without: Callable[[], tuple[Inputs, list[str]]] | None,
 ) -> tuple[Posterior, tuple[str, ...], list[str]]:
     """Return the posterior beside the run or, where that was probably wrong, without it; the doubt; and notes."""
@@ -291,7 +290,7 @@ def _beside_doubt(
     sound = sum(h.probability for h in posterior.judged if not h.members and not h.has_unknown)
     if inputs.run is None or without is None or sound > SOUND_ENOUGH:
         return posterior, (), notes
-    wrong = weigh_wrong_run(posterior.model, drawn)
+    wrong = weigh_wrong_run(posterior.model)
     probability = 1.0 / (1.0 + math.exp(min(700.0, posterior.log_total + wrong.log_usual - wrong.log_weight)))
     if probability > LIKELY:
         sentence = f"The commissioning run is doubted (probability {probability:.2f}): {wrong.words}; it is left out."

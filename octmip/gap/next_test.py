@@ -11,7 +11,7 @@ cell, a shunt) answers yes or no about the effects it sees; its information is t
 reliability.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -252,7 +252,7 @@ def _entropy(weight: Floats) -> float:
 def _strain_information(model: LinearModel, fits: Sequence[Fit], weight: Floats, load: Load) -> float:
     """Return the lower bound on the information of a strain test at a load, in the first cell's state."""
     inputs = model.inputs
-    rows = _signatures_at(model, load)
+    rows = _signatures_at(model, {j for fit in fits for j in fit.members}, load)
     repeats = np.full(len(inputs.order), REPEATS)
     difference = difference_at(inputs, load, inputs.named(model.states[0]), model.level)[1]
     noise = inputs.noise.of_mean(repeats, load) + difference
@@ -264,28 +264,29 @@ def _strain_information(model: LinearModel, fits: Sequence[Fit], weight: Floats,
     return float(-np.sum(weight * np.log(near @ weight)))
 
 
-def _signatures_at(model: LinearModel, load: Load) -> Floats:
-    """Return all candidates' signatures (n_candidates, n_gauges) at a load, in the first cell's state, at the end."""
+def _signatures_at(model: LinearModel, members: Collection[int], load: Load) -> Floats:
+    """Return signatures (n_candidates, n_gauges) at a load, in the first cell's state, at the end: 0 but of members."""
     inputs = model.inputs
     state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
-    order = list(inputs.order)
-    asked = inputs.effects()
-    rows = np.concatenate([inputs.twin.signatures(e, places, state, load, time)[:, order] for e, places in asked])
-    stays = np.array([one.test in ("", inputs.last_test) for one in inputs.candidates])
-    return np.asarray(rows * stays[:, None])
+    rows = np.zeros((len(inputs.candidates), len(inputs.order)))
+    for j in members:
+        one = inputs.candidates[j]
+        if one.test in ("", inputs.last_test):
+            rows[j] = inputs.twin.signatures(one.effect, (one.place,), state, load, time)[0, list(inputs.order)]
+    return rows
 
 
 def _at_own_sizes(model: LinearModel, rows: Floats, fit: Fit, load: Load) -> Floats:
-    """Return the members' signatures (n_members, n_gauges) at a load: chords to their sizes where they are not linear.
+    """Return the members' signatures (n_members, n_gauges) at a load: the chords of the model where it has them.
 
     Two effects that change all readings alike at their sizes would seem to differ by their slopes.
     """
     inputs, found = model.inputs, rows[list(fit.members)]
     state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
-    for k, (j, size) in enumerate(zip(fit.members, fit.size.tolist(), strict=True)):
-        forward = inputs.candidates[j].forward
-        if forward is not None and size and found[k].any() and inputs.candidates[j].name not in inputs.open:
-            there = forward(inputs.twin, state, load, size, inputs.candidates[j].place, time)
+    for k, j in enumerate(fit.members):
+        one, size = inputs.candidates[j], model.chords.get(j, 0.0)
+        if one.forward is not None and size and found[k].any() and one.name not in inputs.open:
+            there = one.forward(inputs.twin, state, load, size, one.place, time)
             found[k] = ((np.asarray(there) - inputs.twin.predict(state, load)) / size)[list(inputs.order)]
     return found
 

@@ -35,7 +35,7 @@ NEGLIGIBLE = 1e-3
 """Share of a cause's probability below which one of its hypotheses does not move the size."""
 STEPS = 24
 """Most steps of a fit with an exact forward map, each of one map for every load."""
-TOLD = 0.01
+TOLD = 0.05
 """Probability of a cause from which the model is asked for its sizes; less is not worth its answers."""
 CLOSE = 0.1
 """Step over its own sd below which a size is found."""

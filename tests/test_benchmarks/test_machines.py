@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from benchmarks.machines import ties
+from benchmarks.machines import retold, ties
 from benchmarks.machines.__main__ import JUDGED, MACHINES, SETTLED, closed, figures, inside, run, run_bare
 from benchmarks.machines.bare import of_its_twin, today
 from benchmarks.machines.draws import CLEAR
@@ -89,3 +89,9 @@ def test_a_tie_is_settled_by_the_proposed_test_and_not_by_a_random_repeat():
     doubled = ties.twin_with(MACHINES["tanks"], "power")
     assert doubled.gauges[-1] == "power_2"
     assert doubled.predict({}, MACHINES["tanks"].cells[0])[-1] == doubled.predict({}, MACHINES["tanks"].cells[0])[-2]
+
+
+@pytest.mark.long
+def test_one_fault_has_one_name_in_however_many_tests_and_calls():
+    told = "as one test 1, as 2 tests 1, as 4 tests 1, as 8 tests 1, in 100 calls 1"
+    assert retold.run(1, 1).startswith(f"Seed 1: of 1 single faults named right: {told}; ")

@@ -225,7 +225,7 @@ def test_what_was_wrong_with_a_run_weighs_what_its_definition_says(wrong, words,
         )
     ]
     logs["asset"] = sum(apart) + np.log(0.25)
-    found = wrong_run.weigh_wrong_run(model, inputs.twin)
+    found = wrong_run.weigh_wrong_run(model)
     prior = np.log(inputs.odds.wrong_run * inputs.odds.count[0])
     assert model.log_none == pytest.approx(usually[0], rel=1e-6)
     assert found.log_weight == pytest.approx(prior + logsumexp(list(logs.values())), abs=1e-6)

@@ -53,24 +53,10 @@ def as_built(twin: CachedTwin, run: Campaign, share: float, is_open: bool = Fals
     own = built_by(run, twin, share) if isinstance(twin.twin, FunctionTwin) else None
     if own is None or not isinstance(twin.twin, FunctionTwin):
         return twin
-    drawn = {name: twin.twin.constants[name].nominal for name in own.values}
-    open_ = {name: (drawn[name] - value, share * abs(drawn[name])) for name, value in own.values.items()}
-    built = twin.twin.at(own.values, None, open_) if is_open else twin.twin.at(own.values, own.signature_error)
-    found = CachedTwin(built)
+    sds = {name: share * abs(twin.twin.constants[name].nominal) for name in own.values}
+    found = CachedTwin(twin.twin.at(own.values, None if is_open else own.signature_error, sds))
     found.units = twin.units
     return found
-
-
-def departures(drawn: CachedTwin, sound: CachedTwin, share: float) -> dict[str, tuple[float, float]]:
-    """Return the drawing's value of each constant that a run said less that of the run, and its prior sd, by name.
-
-    `drawn` and `sound` are the model with the constants of its drawing and with those of the run; `share` is the sd of
-    a constant over that of the drawing.
-    """
-    if drawn is sound or not isinstance(drawn.twin, FunctionTwin) or not isinstance(sound.twin, FunctionTwin):
-        return {}
-    built, own = sound.twin.card.ranges, drawn.twin.constants
-    return {k: (own[k].nominal - built[k].nominal, share * abs(own[k].nominal)) for k in sound.twin.said}
 
 
 def built_words(drawn: CachedTwin, sound: CachedTwin) -> list[str]:
@@ -116,7 +102,7 @@ def built_by(run: Campaign, cached: CachedTwin, share: float) -> Built | None:
     if not ranges or run.load_names != twin.loads or not all(cell.is_known for cell in run.cells):
         return None
     read = _Read.of(run, cached, twin, share)
-    here = read.asked(np.zeros(len(ranges)))
+    here = read.asked({})
     rows = read.rows_near(here)
     return _fitted(read, here, rows) if len(rows) else None
 
@@ -166,9 +152,9 @@ class _Read:
         """Return the constants by name, given how many sd (n_constants,) each is off the drawing."""
         return dict(zip(self.twin.constants, (self.nominal + self.spread * shares).tolist(), strict=True))
 
-    def asked(self, shares: Floats) -> Floats:
-        """Return what the model reads where the run has a mean (n,)."""
-        values, run = self.values(shares), self.run
+    def asked(self, values: Mapping[str, float]) -> Floats:
+        """Return what the model with some constants at other values reads where the run has a mean (n,)."""
+        run = self.run
         settings = [(dict(zip(run.parameters, cell.state.tolist(), strict=True)), cell.load) for cell in run.cells]
         answers = np.array([self.cached.checked(partial(self.twin.ask, *at, values), *at) for at in settings])
         return np.asarray(answers[:, list(self.order)][self.seen])
@@ -192,14 +178,14 @@ def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
     least, most = ((inside - read.nominal[:, None]) / read.spread[:, None]).T
     size, measured, here = read.rms(here)[rows], read.mean[rows], here[rows]
     weight = (read.variance[rows] + (MODEL * size) ** 2) ** -0.5
-    ahead = np.array([own.ahead(sd)[1] for own, sd in zip(read.twin.constants.values(), read.spread, strict=True)])
-    slopes, told = np.zeros((len(rows), len(ahead))), np.ones(len(ahead), dtype=bool)
-    for k, step in enumerate(np.diag(ahead)):
+    slopes, told = np.zeros((len(rows), len(ends))), np.ones(len(ends), dtype=bool)
+    for k, (name, own) in enumerate(read.twin.constants.items()):
+        value, share = own.ahead(read.spread[k])
         try:
-            slopes[:, k] = (read.asked(step)[rows] - here) / step.sum()
+            slopes[:, k] = (read.asked({name: value})[rows] - here) / share
         except TwinError:  # a constant at whose other values the model fails stays as drawn
             told[k] = False
-    at = np.zeros(len(ahead))
+    at = np.zeros(len(ends))
     for _ in range(STEPS):
         white, left = slopes * weight[:, None], (measured - here + slopes @ at) * weight
         moved = np.clip(np.linalg.solve(white.T @ white + np.eye(len(at)), white.T @ left), least, most)
@@ -207,7 +193,7 @@ def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
         if np.abs(step).max() < CLOSE:
             break
         try:
-            there = read.asked(moved)[rows]
+            there = read.asked(read.values(moved))[rows]
         except TwinError:
             break
         slopes = slopes + np.outer(there - here - slopes @ step, step) / (step @ step)

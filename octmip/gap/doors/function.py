@@ -59,10 +59,12 @@ class FunctionTwin:
         (n_readings,) of each question, by the values of all parameters, states and loads; shared by all twins of it.
     watch
         called with the number of answers after each new one; None: nothing is.
+    drawn
+        the twin as it was drawn: itself, or that of which readings of an asset told constants.
     said
-        constants of which readings of the asset told the value.
-    open
-        by name of each constant that no run says: the drawing's value less the nominal one, and its prior sd.
+        prior sd of each of those constants, by name.
+    is_open
+        whether no run says them.
 
     The others are the card's, under the names of `octmip.twin.Twin`.
 
@@ -81,8 +83,7 @@ class FunctionTwin:
         self.loads, self.parameters = tuple(card.loads), tuple(card.states)
         self.state_limits, self.sign, self.is_linear_in_load = card.state_limits, card.sign, card.linear
         self.signature_error = 0.0
-        self.said: tuple[str, ...] = ()
-        self.open: Mapping[str, tuple[float, float]] = {}
+        self.drawn, self.said, self.is_open = self, dict[str, float](), False
         own: list[Effect] = [parameter_effect(name, values, self.ask) for name, values in card.ranges.items()]
         self.effects: Mapping[str, Effect] = {effect.name: effect for effect in (*own, *effects)}
         self.answers: dict[tuple[float, ...], Floats] = {}
@@ -109,49 +110,55 @@ class FunctionTwin:
         twin.effects = {**self.effects, **{effect.name: effect for effect in effects}}
         return twin
 
+    @property
+    def departures(self) -> dict[str, tuple[float, float]]:
+        """The drawing's value less the nominal one, and the prior sd, of each constant that readings told, by name."""
+        drawn, now = self.drawn.card.ranges, self.card.ranges
+        return {name: (drawn[name].nominal - now[name].nominal, sd) for name, sd in self.said.items()}
+
     def at(
         self,
         values: Mapping[str, float],
         signature_error: float | None,
-        open_: Mapping[str, tuple[float, float]] = MappingProxyType({}),
+        said: Mapping[str, float] = MappingProxyType({}),
     ) -> "FunctionTwin":
         """Return the twin with other nominal values of some parameters, and of how well it knows what each does.
 
-        None: no run says that. The answers are shared.
+        None: no run says that. `said` are the prior sds of those that readings told. The answers are shared.
         """
         twin = copy(self)
+        twin.is_open, twin.said = signature_error is None, dict(said)
         error, whose = (SIGNATURE_ERROR, OPEN) if signature_error is None else (signature_error, SOUND)
-        twin.said, twin.open = tuple(values), open_
         ranges = {name: replace(own, nominal=values.get(name, own.nominal)) for name, own in self.card.ranges.items()}
         twin.card = replace(self.card, parameters=ranges)
         own = {
             name: replace(
                 parameter_effect(name, ranges[name], twin.ask, whose if name in values else MODEL),
                 signature_error=error,
-                **self._from_drawing(twin, name),
+                **(_of_said(twin, name) if name in said else {}),
             )
             for name, effect in self.effects.items()
-            if isinstance(getattr(effect, "apply", None), _Moved)
+            if isinstance(getattr(effect, "apply", None), (_Moved, _FromDrawing))
         }
         twin.effects = {**self.effects, **own}
         twin.signature_error = signature_error or 0.0
         return twin
 
-    def _from_drawing(self, twin: "FunctionTwin", name: str) -> dict[str, Any]:
-        """Return what makes the change of a constant that is open one from the drawing's value, in its own range."""
-        if name not in twin.open:
-            return {}
-        drawn, (departure, sd) = self.card.ranges[name], twin.open[name]
-        moved = _FromDrawing(name, drawn.nominal, *twin.card.ranges[name].ahead(sd), departure / sd, twin.ask)
-        return {"apply": moved, "bounds": _bounds(drawn), "slope": partial(_today, twin, name, sd)}
+    def slopes(self, state: State, load: Applied) -> Floats:
+        """Return what a standard deviation of each of the k constants that readings told changes (k, n_readings).
 
-    def slopes(self, state: State, load: Applied, sds: Mapping[str, float]) -> Floats:
-        """Return what a standard deviation of each of k parameters changes in the readings (k, n_readings)."""
-        here, found = self.ask(state, load, {}), np.zeros((len(sds), len(self.gauges)))
-        for k, (name, sd) in enumerate(sds.items()):
-            there, step = self.card.ranges[name].ahead(sd)
-            found[k] = (self.ask(state, load, {name: there}) - here) / step
-        return found
+        They are those of the drawing, by differences, and follow to the constants of today by Broyden's formula.
+        """
+        if not self.said:
+            return np.zeros((0, len(self.gauges)))
+        drawn, sds = self.drawn, np.array(list(self.said.values()))
+        before, found = drawn.ask(state, load, {}), np.zeros((len(sds), len(self.gauges)))
+        for k, (name, sd) in enumerate(self.said.items()):
+            there, step = drawn.card.ranges[name].ahead(sd)
+            found[k] = (drawn.ask(state, load, {name: there}) - before) / step
+        moved = -np.array([departure for departure, _ in self.departures.values()]) / sds
+        missed = self.ask(state, load, {}) - before - moved @ found
+        return np.asarray(found + np.outer(moved, missed) / max(float(moved @ moved), 1e-300))
 
     def predict(self, state: State, load_factor: Applied) -> Floats:
         """Return the readings (n_readings,) at the parameters' nominal values."""
@@ -265,28 +272,35 @@ class _Moved:
 class _FromDrawing:
     """The readings with a change of a constant that is open, where without it the drawing's value is to be expected.
 
-    The constant is `departure` sds below the drawing's value, and goes back there along its slope, which ends at the
-    value `there`, `step` sds away: both together are the readings at the drawing's value and the change.
+    The constant is `departure` below the drawing's value, and goes back there along its slope: both together are the
+    readings at the drawing's value and the change.
     """
 
     name: str
     drawn: float
-    there: float
-    step: float
     departure: float
     ask: Ask
+    slope: Callable[[State, Any], Floats]
 
     def __call__(self, readings: Floats, size: float, load: Any, place: str, state: State) -> Floats:
         if not size:
             return readings
-        here = self.ask(state, load, {})
-        back = (self.ask(state, load, {self.name: self.there}) - here) * (self.departure / self.step)
-        return readings + self.ask(state, load, {self.name: self.drawn + size}) - here - back
+        moved = self.ask(state, load, {self.name: self.drawn + size}) - self.ask(state, load, {})
+        return readings + moved - self.departure * self.slope(state, load)
 
 
-def _today(twin: FunctionTwin, name: str, sd: float, state: State, load: Applied) -> Floats:
+def _of_said(twin: FunctionTwin, name: str) -> dict[str, Any]:
+    """Return the slope of a constant that readings told; the change of an open one is from the drawing's value."""
+    slope, drawn = partial(_today, twin, name), twin.drawn.card.ranges[name]
+    if not twin.is_open:
+        return {"slope": slope}
+    moved = _FromDrawing(name, drawn.nominal, twin.departures[name][0], twin.ask, slope)
+    return {"apply": moved, "bounds": _bounds(drawn), "slope": slope}
+
+
+def _today(twin: FunctionTwin, name: str, state: State, load: Applied) -> Floats:
     """Return the slope of a constant at its most likely value, where a change that is large has led it."""
-    return np.asarray(twin.slopes(state, load, {name: sd})[0] / sd)
+    return np.asarray(twin.slopes(state, load)[list(twin.said).index(name)] / twin.said[name])
 
 
 def _bounds(own: Range) -> tuple[float, float]:

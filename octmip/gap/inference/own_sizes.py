@@ -23,9 +23,11 @@ Floats = NDArray[np.float64]
 LAPS, N_ALONE, N_TOGETHER = 5, 3, 3
 WIDE = 3.0
 """Prior sds within which a size is refitted."""
-CLOSE, NEAR = 0.02, 0.1
+CLOSE, NEAR = 0.04, 0.2
 """Relative change of a size below which its chord stays: of effects that explain the readings together, of others."""
-SEEN, AHEAD = 2.0, 4.0
+LIKE = 0.5
+"""Share of the greatest gain from which an effect alone may yet be the best at its own size."""
+SEEN, AHEAD = 3.0, 4.0
 """d' below which an effect is as good as linear; steps that one by the last two chords takes at most."""
 
 
@@ -87,7 +89,7 @@ def _alone(model: LinearModel, forward: NDArray[np.bool_]) -> dict[int, float]:
     sizes = model.projection / (model.lengths + (WIDE * model.inputs.priors.sd) ** -2)
     gain = np.where(forward, sizes * model.projection, -np.inf)
     best = np.argsort(-gain, kind="stable")[:N_ALONE]
-    return {int(j): float(sizes[j]) for j in best if forward[j]}
+    return {int(j): float(sizes[j]) for j in best if forward[j] and gain[j] >= LIKE * gain[best[0]]}
 
 
 def _together(model: LinearModel) -> dict[int, float]:

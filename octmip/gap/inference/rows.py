@@ -125,14 +125,13 @@ class Frame:
     @property
     def open(self) -> Mapping[str, tuple[float, float]]:
         """Constants that no run says, by name: the drawing's less the twin's, and the prior sd."""
-        return self.twin.twin.open if isinstance(self.twin.twin, FunctionTwin) else {}
+        return self.twin.twin.departures if isinstance(self.twin.twin, FunctionTwin) and self.twin.twin.is_open else {}
 
-    def slopes(self, sds: Mapping[str, float], state: State, load: Load) -> Floats:
+    def slopes(self, state: State, load: Load) -> Floats:
         """Return what a standard deviation of each of k constants changes (n_gauges, k)."""
-        if not sds:
+        if not isinstance(self.twin.twin, FunctionTwin):
             return np.zeros((len(self.order), 0))
-        assert isinstance(self.twin.twin, FunctionTwin)
-        return np.asarray(self.twin.twin.slopes(state, load, sds)[:, list(self.order)].T)
+        return np.asarray(self.twin.twin.slopes(state, load)[:, list(self.order)].T)
 
     def along(self, length: float) -> Floats:
         """Return a correlation (n_gauges, n_gauges) that falls along the structure, over `length` of its extent."""
@@ -177,7 +176,7 @@ class Frame:
         named = [dict(zip(self.twin.parameters, state.tolist(), strict=True)) for state in states]
         asked = list(zip(named, loads, strict=True))
         now = np.array([self.twin.predict(*one) for one in asked])[:, order]
-        sds = {name: sd for name, (_, sd) in self.open.items()}
+        none = np.zeros((len(order), 0))
         healthy = np.array([self.twin.predict({}, load) for load in loads])[:, order]
         rows = Rows(
             gauge=gauge,
@@ -188,7 +187,7 @@ class Frame:
             change=(now - healthy)[average, gauge],
             share=np.array([self.shares(row) for row in healthy])[average, gauge],
             applied=np.array([self.applied(load) for load in loads])[average],
-            constants=np.array([self.slopes(sds, *one) for one in asked])[average, gauge],
+            constants=np.array([self.slopes(*one) if self.open else none for one in asked])[average, gauge],
         )
         return now, rows
 

@@ -11,7 +11,7 @@ the model by the run, and C the columns of a prior sd of each, the rows r of bot
 place of N(0, I). A right run has the same factor over its own rows, about its own constants.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from octmip.gap.campaign.campaign import Cell
-from octmip.gap.doors.built import departures
+from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.evidence import single_logs
@@ -29,7 +29,6 @@ from octmip.gap.inference.rows import Means
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
 from octmip.gap.inference.whitening import Whitening, log_normal
-from octmip.gap.twins import CachedTwin
 from octmip.twin import Effect
 
 Floats = NDArray[np.float64]
@@ -62,17 +61,17 @@ class WrongRun:
     log_usual: float = 0.0
 
 
-def weigh_wrong_run(model: LinearModel, drawn: CachedTwin) -> WrongRun:
-    """Return the hypothesis that the run was wrong, about the model of a campaign beside it and the twin as drawn."""
+def weigh_wrong_run(model: LinearModel) -> WrongRun:
+    """Return the hypothesis that the run was wrong, about the model of a campaign beside it."""
     inputs, run = model.inputs, model.inputs.run
     assert run is not None
     prior = float(np.log(max(inputs.odds.wrong_run, 1e-300))) + float(np.log(inputs.odds.count[0]))
     good = replace(inputs, difference=inputs.usual)  # beside a wrong run the twin may well be good
     models = [model, *(replace(model, inputs=good).under(level) for level in (1.0, 2.0))]
-    open_ = departures(drawn, inputs.twin, inputs.odds.differences.constants)
-    sds, away = {name: sd for name, (_, sd) in open_.items()}, np.array([gone / sd for gone, sd in open_.values()])
-    in_run = _slopes(inputs, sds, run.averages, run.means, _states(run, inputs))
-    in_campaign = _slopes(inputs, sds, inputs.averages, model.means, model.states)
+    own = inputs.twin.twin
+    away = np.array([gone / sd for gone, sd in own.departures.values()] if isinstance(own, FunctionTwin) else [])
+    in_run = _slopes(inputs, run.averages, run.means, _states(run, inputs))
+    in_campaign = _slopes(inputs, inputs.averages, model.means, model.states)
     stacks = [_Stack.of(one, in_run, in_campaign, away) for one in models]
     columns = {_by_effect: _of_effects(inputs, run), _by_state: _of_states(inputs, run)}
     found = [part(one, columns[part]) for part in columns for one in stacks]
@@ -136,10 +135,10 @@ class _Stack:
         return np.einsum("ij,ij->j", own, own), own.T @ self.left
 
 
-def _slopes(inputs: Inputs, sds: Mapping[str, float], averages: Sequence[Cell], means: Means, states: Floats) -> Floats:
+def _slopes(inputs: Inputs, averages: Sequence[Cell], means: Means, states: Floats) -> Floats:
     """Return what a prior sd of each constant changes in some means (n, k)."""
     asked = [(inputs.named(states[part.number]), part.load) for part in averages]
-    return np.array([inputs.frame.slopes(sds, *one) for one in asked])[means.average, means.gauge]
+    return np.array([inputs.frame.slopes(*one) for one in asked])[means.average, means.gauge]
 
 
 def _stacked(model: LinearModel, in_run: Floats, in_campaign: Floats) -> Floats:
