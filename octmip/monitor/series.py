@@ -9,6 +9,7 @@ since tau, a shift of h that began at tau, its size normal with scale s, has the
 the mean over three scales. With q(tau) ~ L_g(tau), what is known of the beginning of g, h began together with g where
 sum_tau q(tau) L_h(tau) is far above 1, the evidence of a sound h, and above the mean of L_h, that of a failure of its
 own at any reading. Only neighbours of g are asked: two gauges may fail at almost one reading, seldom side by side.
+Damage leaves the noise of a gauge, so one that is stuck (`octmip.monitor.stuck`) is faulty and asked for no beginning.
 """
 
 import math
@@ -21,14 +22,13 @@ from scipy.special import logsumexp
 
 from octmip.monitor.finding import Finding, explain
 from octmip.monitor.library import Applied
+from octmip.monitor.stuck import Repeats
 from octmip.monitor.watch import MonitorState, Watch
 
 Floats = NDArray[np.float64]
 
 SCALES = (1.0, 4.0, 16.0)
 """Scales s of a shift, standard deviations of a reading."""
-ODDS = 3.0
-"""Times that one beginning must be likelier than two."""
 LATER = 1.2
 """Ratio between the numbers of readings at which a faulty gauge's neighbours are looked at again."""
 
@@ -58,12 +58,15 @@ class Series:
     faulty: set[int] = field(default_factory=set)
     _state: MonitorState = field(init=False, repr=False)
     _kept: deque[tuple[Floats, float]] = field(init=False, repr=False)
+    _repeats: Repeats = field(init=False, repr=False)
+    _stuck: set[int] = field(init=False, repr=False, default_factory=set)
     _since: int = field(init=False, repr=False, default=0)
     _looked: int = field(init=False, repr=False, default=0)
 
     def __post_init__(self) -> None:
         self._state = self.watch.start(1)
         self._kept = deque(maxlen=self.watch.horizon)
+        self._repeats = Repeats(np.full(len(self.watch.library.gauges), np.nan))
 
     @property
     def p_value(self) -> float:
@@ -85,11 +88,12 @@ class Series:
         heard = np.where(np.isin(np.arange(len(row)), sorted(self.faulty)), np.nan, row)
         self._state = self.watch.observe(self._state, heard[None], load_factor)
         self._kept.append((row, self.watch.library.checked_load(load_factor)))
-        finding = None
-        if self._state.is_alarm[0] and not was_alarm:
+        finding = self._newly_stuck(row)
+        if finding is None and self._state.is_alarm[0] and not was_alarm:
             finding = explain(self.watch, self._state, 0, state)
-            if finding.kind == "gauge":
-                self.faulty.add(self.watch.library.gauges.index(finding.name))
+        if finding is not None and finding.kind == "gauge":
+            self.faulty.add(self.watch.library.gauges.index(finding.name))
+            if not was_alarm:
                 self._state, self._since, self._looked = self.watch.start(1), 0, 0
         self._since += 1
         if self.faulty and not was_alarm and self._since > LATER * self._looked:
@@ -97,13 +101,27 @@ class Series:
             finding = self._together(state) or finding
         return finding
 
+    def _newly_stuck(self, row: Floats) -> Finding | None:
+        """Return the finding of a gauge that is stuck by now; one that was named before is only noted."""
+        gauges, rate = self.watch.library.gauges, self.watch.rate / self.watch.horizon
+        self._repeats.count(row)
+        new = set(np.flatnonzero(self._repeats.is_stuck(rate / len(gauges))).tolist()) - self._stuck
+        self._stuck |= {g for g in new if g in self.faulty}
+        for g in sorted(new - self.faulty)[:1]:
+            self._stuck.add(g)
+            words = f"Gauge {gauges[g]} shows {row[g]:g} again and again: it is faulty. It is left out from now on."
+            return Finding("gauge", gauges[g], 1.0, (gauges[g],), max(0, self._state.n_seen - 1), None, words)
+        return None
+
     def _together(self, state: int) -> Finding | None:
         """Return the damage that a faulty gauge and its neighbours show; the gauges are at hand again."""
         rows, loads = (np.array(part) for part in zip(*self._kept, strict=True))
-        began = {g: _log_evidence(self.watch, rows, loads, self.faulty - {g}, [g])[:, 0] for g in sorted(self.faulty)}
+        rows[:, sorted(self._stuck)] = np.nan
+        asked = self.faulty - self._stuck
+        began = {g: _log_evidence(self.watch, rows, loads, asked - {g}, [g])[:, 0] for g in sorted(asked)}
         # without the others it agrees: it was named in place of one of them
         self.faulty -= {g for g, logs in began.items() if logsumexp(logs) < np.log(len(logs))}
-        together = _began_together(self.watch, rows, loads, {g: began[g] for g in sorted(self.faulty)})
+        together = _began_together(self.watch, rows, loads, {g: began[g] for g in sorted(asked & self.faulty)})
         if not together:
             return None
         self.faulty -= {self.watch.library.gauges.index(gauge) for gauge in together}
@@ -135,7 +153,7 @@ def _began_together(watch: Watch, readings: Floats, loads: Floats, began: dict[i
             continue
         together = logsumexp(log_began[:, None] + logs, axis=0)
         alone = logsumexp(logs, axis=0) - np.log(len(logs))
-        is_with = (together > np.log(len(sound) / watch.rate)) & (together - alone > np.log(ODDS))
+        is_with = (together > np.log(len(sound) / watch.rate)) & (together > alone)
         if is_with.any():
             order = [g, *(sound[k] for k in np.argsort(-together) if is_with[k])]
             return tuple(watch.library.gauges[k] for k in order)

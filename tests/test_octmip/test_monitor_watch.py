@@ -18,6 +18,7 @@ from octmip.monitor import (
 )
 from octmip.monitor.candidates import gauge_candidates
 from octmip.monitor.parity import Parity
+from octmip.monitor.stuck import Repeats
 from octmip.trees.nodes.tree import Leaf
 from tests.test_octmip.beam_twin import ETA, Field
 from tests.test_octmip.test_monitor_selector import LinearBeam
@@ -238,3 +239,34 @@ def test_one_asset_can_be_taken_back_and_the_others_stay(watch, library):
     quiet = watch.observe(back, 3.0 * library.strains[:3], 3.0)
     assert not quiet.is_alarm[1]
     assert quiet.p_value[1] > 0.99
+
+
+@pytest.mark.parametrize("digits", [0.01, SD])
+def test_a_gauge_that_is_stuck_at_a_value_of_a_sound_one_is_named(placed, library, digits):
+    readings = 3.0 * library.strains[np.zeros(90, int)] + np.random.default_rng(4).normal(0.0, SD, (90, 20))
+    readings[20:, 6] = 3.0 * library.strains[0, 6]
+    found = stream(placed, np.round(readings / digits) * digits)
+    assert [(finding.kind, finding.name) for finding in found] == [("gauge", "g07")]
+    assert "again and again" in found[0].words
+
+
+@pytest.mark.parametrize("rounded", [lambda own: own, lambda own: np.round(own), lambda own: np.round(own / 3.0)])
+def test_sound_gauges_are_stuck_with_the_stated_chance_whatever_their_digits(rounded):
+    own, n_stuck = np.random.default_rng(2).normal(size=(400, 100, 20)), 0
+    for mission in rounded(own):
+        repeats, was_stuck = Repeats(np.full(20, np.nan)), False
+        for row in mission:
+            repeats.count(row)
+            was_stuck |= bool(repeats.is_stuck(0.05 / (20 * 100)).any())
+        n_stuck += was_stuck
+    assert n_stuck <= 0.05 * 400
+
+
+def test_a_stuck_gauge_began_with_no_neighbour(placed, library):
+    readings = 3.0 * library.strains[np.zeros(60, int)] + np.random.default_rng(8).normal(0.0, SD, (60, 20))
+    readings[25:, 9] = readings[24, 9]
+    readings[26:, 10] += 60.0
+    assert {(finding.kind, finding.name) for finding in stream(placed, readings)} == {
+        ("gauge", "g10"),
+        ("gauge", "g11"),
+    }

@@ -1,4 +1,4 @@
-"""Damage at a few neighbouring gauges, and gauges that fail: what the watch says of each, beside plainer tests.
+"""Damage at a few neighbouring gauges, and gauges that fail: what the watch says of each, beside a plainer test.
 
 A flight has 100 readings at 3 g, or at 2 and 3 g in turns, while mu1 and mu2 grow to at most 30 %. Damage changes a
 gauge and its nearest, one to four in all, in proportion to the load, from one reading on. One to three gauges fail,
@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from benchmarks.uav.mission.aircraft import NOISE_SD, Aircraft
 from octmip.monitor import Series, Watch
@@ -32,7 +31,6 @@ def local_rows(aircraft: Aircraft, n: int, seed: int) -> Iterator[dict[str, obje
     tests: dict[str, Callable[[Floats, Floats], Told]] = {
         "the watch": lambda readings, loads: _by_series(watch, readings, loads),
         "one gauge at a time": lambda readings, loads: _by_series(alone, readings, loads),
-        "chi-squared of each reading": lambda readings, loads: _by_reading(watch, readings, loads),
     }
     for what, counts in (("damaged", DAMAGED), ("failed", FAILED)):
         for count in counts:
@@ -107,26 +105,3 @@ def _by_series(watch: Watch, readings: Floats, loads: Floats) -> Told:
         if finding is not None and finding.kind != "gauge":
             return True, set()
     return False, {library.gauges[gauge] for gauge in series.faulty}
-
-
-def _by_reading(watch: Watch, readings: Floats, loads: Floats) -> Told:
-    """Test each reading by itself at rate / horizon; one gauge is named where the rest is noise without it."""
-    library, faulty = watch.library, list[int]()
-    for row, load in zip(readings, loads.tolist(), strict=True):
-        known = ~np.isin(np.arange(len(row)), faulty)
-        while not _is_noise(watch, row, load, known, watch.rate / watch.horizon):
-            ways = [known & (np.arange(len(row)) != gauge) for gauge in np.flatnonzero(known)]
-            single = [way for way in ways if _is_noise(watch, row, load, way, watch.rate)]
-            if not single:
-                return True, set()
-            known = min(single, key=lambda way: _square(watch, row, load, way))
-        faulty = np.flatnonzero(~known).tolist()
-    return False, {library.gauges[gauge] for gauge in faulty}
-
-
-def _square(watch: Watch, row: Floats, load: float, known: NDArray[np.bool_]) -> float:
-    return float(np.square(watch.parity.residuals(row[None], load, known)).sum())
-
-
-def _is_noise(watch: Watch, row: Floats, load: float, known: NDArray[np.bool_], rate: float) -> bool:
-    return bool(chi2.sf(_square(watch, row, load, known), watch.parity.degrees(known)) > rate)
