@@ -6,10 +6,10 @@ of the reduced model at the corners that came near failing first in sampled stat
 
 Finer meshes of single regions turn the factors of plies into those of fine meshes (`femlib.rom.zones`). The error is
 checked, not bounded: `error` is the largest distance from the full model, on the same mesh, over states that were drawn
-apart from the sampled ones; `mesh_error` is half of what the step to meshes without end adds to the finest.
+apart from the sampled ones; `mesh_error` is measured on finer meshes of components and of pairs of them.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,8 +24,7 @@ from femlib.components.regions import checked_damage
 from femlib.errors import InputError, is_number, is_whole
 from femlib.rom.buckling import ReducedBuckling, Sampled, reduce_buckling
 from femlib.rom.model import ReducedModel
-from femlib.rom.zones import LEVELS as DAMAGES
-from femlib.rom.zones import Zones, measured_zones, zone_needs, zone_of_corners
+from femlib.rom.zones import Finer, Zones, measured_zones, zone_needs, zone_of_corners
 
 LIMITS = ("ply", "buckling", "deflection")
 NEAR = 1.25
@@ -89,8 +88,7 @@ class Capability:
     error : float
         Largest relative error of a limit against the full model over the checked states; NaN if none.
     mesh_error : float
-        Estimated relative error of the plies' factors by the mesh, `Zones.error`; NaN without finer meshes. It is that
-        of single components: where several are damaged at once the factors may be further off (docs/wing.md).
+        Estimated relative error of the plies' factors by the mesh, `Zones.error`; NaN without finer meshes.
     zones : Zones, optional
         What finer meshes make of the plies' factors.
     zone : IntArray, optional
@@ -155,7 +153,7 @@ def reduce_capability(
     n_states: int = 300,
     n_checks: int = 6,
     seed: int = 0,
-    finer: Callable[[int], Iterable[FloatArray]] | None = None,
+    finer: Finer | None = None,
 ) -> Capability:
     """Return the capability under the load that a reduced model was made for.
 
@@ -173,8 +171,8 @@ def reduce_capability(
         Random states that are sampled by the reduced model, and that are checked against the full one.
     seed : int
         Of both.
-    finer : callable, optional
-        From a component's number to `needs_alone` on two meshes of it alone, as for `femlib.rom.zones.measured_zones`.
+    finer : Finer, optional
+        As for `femlib.rom.zones.measured_zones`.
 
     Raises
     ------
@@ -253,10 +251,9 @@ def first_ply(structure: DamagedStructure, limits: Limits, moved: FloatArray, gr
     return 1.0 / float((needs if grown is None else needs * grown).max())
 
 
-def needs_alone(structure: DamagedStructure, limits: Limits, load: FloatArray) -> FloatArray:
-    """Return `zone_needs` (n_levels, 2) of a structure's one component and of the rest, at `zones.LEVELS`."""
-    moved = structure.solve(np.array(DAMAGES)[:, None], load)
-    return np.array([_needs(structure, limits, own) for own in moved])
+def full_needs(structure: DamagedStructure, limits: Limits, load: FloatArray, states: FloatArray) -> FloatArray:
+    """Return `zone_needs` (n_states, n_zones) of states (n_states, n_parameters) by the full model."""
+    return np.array([_needs(structure, limits, moved) for moved in structure.solve(states, load)])
 
 
 def _needs(structure: DamagedStructure, limits: Limits, moved: FloatArray) -> FloatArray:

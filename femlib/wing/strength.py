@@ -1,13 +1,13 @@
 """What the wing bears: stresses of its plies, reactions at the root, and the greatest load factor of a damage state."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from femlib.arrays import FloatArray, Judged, judged
 from femlib.assembly import Stresses, ply_stresses, solution_quality
 from femlib.assembly.stresses import Faces
-from femlib.rom.capability import Capability, Limits, needs_alone, reduce_capability
+from femlib.rom.capability import Capability, Limits, full_needs, reduce_capability
 from femlib.wing.damage import DamageRegion
 from femlib.wing.model import Wing
 from femlib.wing.reduced import ReducedWing
@@ -57,7 +57,7 @@ def wing_capability(
     limits: Limits | None = None,
     n_states: int = 300,
     n_checks: int = 6,
-    finer: Callable[[DamageRegion, float], Wing] | None = None,
+    finer: Callable[[tuple[DamageRegion, ...], float], Wing] | None = None,
 ) -> Capability:
     """Return the greatest load factors of the wing's damage states, from its reduced model.
 
@@ -70,15 +70,21 @@ def wing_capability(
     n_states, n_checks : int
         As for `femlib.rom.capability.reduce_capability`.
     finer : callable, optional
-        From a region and the distance of the first lines beside its edges [m] to the wing with that region alone, such
-        as `femlib.wing.built.close_wing`: plies then fail as on fine meshes. `FINE_STEPS` are asked for.
+        From regions and the distance of the first lines beside their edges [m] to the wing with these alone, such as
+        `femlib.wing.built.close_wing`: plies then fail as on fine meshes. `FINE_STEPS` are asked for.
     """
     chosen = wing_limits(wing) if limits is None else limits
-    fine = None if finer is None else lambda k: _needs(finer, wing.regions[k], chosen.criterion)
-    return reduce_capability(wing.structure, reduced.model, chosen, wing.lift, n_states, n_checks, finer=fine)
+    meshes = (
+        None if finer is None else lambda own, damages: _needs(finer, [wing.regions[k] for k in own], damages, chosen)
+    )
+    return reduce_capability(wing.structure, reduced.model, chosen, wing.lift, n_states, n_checks, finer=meshes)
 
 
-def _needs(finer: Callable[[DamageRegion, float], Wing], region: DamageRegion, criterion: str) -> Iterator[FloatArray]:
-    for step in FINE_STEPS:
-        own = finer(region, step)
-        yield needs_alone(own.structure, wing_limits(own, criterion=criterion), own.lift)
+def _needs(
+    finer: Callable[[tuple[DamageRegion, ...], float], Wing],
+    regions: Sequence[DamageRegion],
+    damages: FloatArray,
+    limits: Limits,
+) -> list[FloatArray]:
+    wings = (finer(tuple(regions), step) for step in FINE_STEPS)
+    return [full_needs(own.structure, wing_limits(own, criterion=limits.criterion), own.lift, damages) for own in wings]

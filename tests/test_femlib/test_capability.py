@@ -9,7 +9,7 @@ from femlib.assembly.stresses import blocks_of, corner_strains
 from femlib.errors import InputError
 from femlib.rom import ReducedModel, capability
 from femlib.rom.capability import Capability, full_limits, reduce_capability
-from femlib.rom.zones import LEVELS, Zones, measured_zones, zone_of_corners
+from femlib.rom.zones import QUARTERS, Zones, measured_zones, zone_of_corners
 from femlib.wing.strength import reactions, wing_capability, wing_limits, wing_stresses
 
 STATES = np.array([[0.0, 0.0], [0.55, 0.0], [0.0, 0.85], [0.7, 0.3]])
@@ -77,34 +77,58 @@ def test_the_ply_limit_is_the_load_factor_at_which_the_stresses_reach_the_streng
     assert 0.0 < found.error < 0.25
 
 
+def of_two(first, second, rest):
+    """Return needs of the zones of two regions and of the rest."""
+    return np.array([first] * QUARTERS + [second] * QUARTERS + [rest])
+
+
 def test_a_zone_grows_by_what_fine_meshes_of_its_region_alone_add(tiny):
-    """n = 2 (1 + mu) on the coarse mesh, 3 (1 + mu) where steps are halved without end."""
-    steps = {0: 0.2, 1: 0.1}
+    """n = 2 (1 + mu) on the coarse mesh, 3 (1 + mu) where steps are halved without end; the rest has 1 and 1.5."""
+    steps, asked = (0.2, 0.1), []
+
+    def finer(own, damages):
+        asked.append(own)
+        return [np.outer(1.0 + damages[:, 0], [3.0 - step] * QUARTERS + [1.5 - step]) for step in steps]
+
+    zones = measured_zones(tiny.structure, lambda mu: of_two(2.0 * (1.0 + mu[0]), 0.1 * (1.0 + mu[1]), 1.0), finer)
+    assert asked == [(0,)]  # region 2 comes nowhere near the limit of the sound wing
+    np.testing.assert_allclose(zones.grown(np.array([0.33, 0.97])), of_two(1.5, 1.0, 1.5 * 1.33))
+    assert zones.error == pytest.approx(0.5 * 0.1 / 2.9)
+    above = measured_zones(tiny.structure, lambda mu: of_two(2.0, 1.1, 1.0), finer)
+    np.testing.assert_allclose(above.grown(np.array([0.9, 0.9]))[-1], 1.0)  # nothing is known of the rest
+
+
+@pytest.mark.parametrize(("more", "error"), [(1.0, 0.02), (1.25, 0.2)])
+def test_the_error_is_that_of_pairs_if_they_are_farther_off(tiny, more, error):
+    """Alone regions need 1 + mu on every mesh, together `more` on the fine one; 4 % by steps."""
     asked = []
 
-    def finer(k):
-        asked.append(k)
-        return [np.outer(1.0 + np.array(LEVELS), [3.0 - step, 1.5 - step]) for step in steps.values()]
+    def finer(own, damages):
+        asked.append(own)
+        most = (1.0 + damages.max(axis=1)) * (more if len(own) == 2 else 1.0)
+        return [np.outer(share * most, np.ones(QUARTERS + 1)) for share in (0.96 / 1.04, 1.0 / 1.04)]
 
-    def coarse(state):
-        return np.array([2.0 * (1.0 + state[0]), 0.1 * (1.0 + state[1]), 1.0])
+    zones = measured_zones(tiny.structure, lambda mu: of_two(1.0 + mu[0], 1.0 + mu[1], 1.0), finer)
+    assert asked == [(0,), (1,), (0, 1)]
+    assert zones.error == pytest.approx(error)
 
-    zones = measured_zones(tiny.structure, coarse, finer)
-    assert asked == [0]  # region 2 comes nowhere near the limit of the sound wing
-    np.testing.assert_allclose(zones.grown(np.array([0.33, 0.97])), [1.5, 1.0, 1.5])
-    assert zones.error == pytest.approx(0.5 * 0.1 / 2.9)
-    uneven = replace(zones, growth=np.arange(27.0).reshape(3, 9))
-    np.testing.assert_allclose(uneven.grown(np.array([0.3, 0.97])), [1.5, 17.0, 18.0])
+
+def test_each_corner_of_a_region_has_a_zone_of_its_own(tiny):
     mesh, zone = tiny.structure.shells.mesh, zone_of_corners(tiny.structure)
     node = np.concatenate([mesh.quads.ravel(), mesh.trias.ravel()])
-    eta, span = mesh.nodes[node[zone == 0], 1] / tiny.span, tiny.regions[0]
-    assert (eta.min(), eta.max()) == pytest.approx((span.eta_min, span.eta_max))
-    assert set(zone) == {0, 1, 2}
+    eta, span = mesh.nodes[:, 1] / tiny.span, tiny.regions[0]
+    own = [eta[node[zone == quarter]] for quarter in range(QUARTERS)]
+    for inboard, outboard in ((own[0], own[1]), (own[2], own[3])):
+        assert (inboard.min(), outboard.max()) == pytest.approx((span.eta_min, span.eta_max))
+        assert inboard.max() < outboard.min()
+    assert set(zone) == set(range(2 * QUARTERS + 1))
 
 
 def test_plies_fail_by_the_growth_of_their_zone(tiny, tiny_reduced, capable, monkeypatch):
     """Twice the need in region 1 halves the factor of its corners alone, on the full model and on the reduced one."""
-    zones = Zones(zone_of_corners(tiny.structure), np.array([[2.0] * 9, [1.0] * 9, [1.0] * 9]), 0.01)
+    growth = np.ones((2, QUARTERS + 1, 96))
+    growth[0, :QUARTERS] = 2.0
+    zones = Zones(zone_of_corners(tiny.structure), growth, 1.0, 0.01)
     monkeypatch.setattr(capability, "measured_zones", lambda *_: zones)
     monkeypatch.setattr(capability, "reduce_buckling", lambda *_: capable.buckling)
     grown = wing_capability(tiny, tiny_reduced, n_states=16, n_checks=1, finer=lambda *_: tiny)

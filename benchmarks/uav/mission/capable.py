@@ -13,7 +13,7 @@ from scipy.special import ndtr
 
 from benchmarks.uav.mission.table_twin import between
 from femlib.wing import reduce_wing
-from femlib.wing.built import built_wing, close_wing
+from femlib.wing.built import CLOSE, built_wing, close_wing
 from femlib.wing.strength import wing_capability
 from femlib.wing.structure import CARBON_LENGTH
 
@@ -48,9 +48,9 @@ def chance_of_failing(bears: Floats, load: Floats | float) -> Floats:
 
 
 def capable_wing(folder: Path, *, is_coarse: bool = False) -> Capable:
-    """Return the table, kept in `folder` for the same wing; `is_coarse`: that of one mesh without close lines."""
+    """Return the table, kept in `folder` for the same meshes; `is_coarse`: that of one mesh without close lines."""
     wing = built_wing(refinement=REFINEMENT, edge_step=0.0 if is_coarse else 3.0 * CARBON_LENGTH)
-    path = folder / f"capability-{wing.model_hash[:12]}.npz"
+    path = folder / f"capability-{wing.model_hash[:12]}{'' if is_coarse else f'-{CLOSE:g}'}.npz"
     if path.exists():
         with np.load(path) as kept:
             return Capable(kept["both"])
