@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 
 from femlib.arrays import FloatArray, IntArray
@@ -77,7 +77,7 @@ class Capability:
         Gives the parts of a state.
     blocks : tuple of Block
         The kept corners; their rows are `strains`.
-    strains : FloatArray
+    strains : NDArray[np.float32]
         Strains (n, 3, n_parts) in fibre axes of the model's parts.
     buckling : ReducedBuckling
         The reduced buckling equations.
@@ -97,7 +97,7 @@ class Capability:
 
     model: ReducedModel
     blocks: tuple[Block, ...]
-    strains: FloatArray
+    strains: NDArray[np.float32]
     buckling: ReducedBuckling
     deflection: FloatArray
     criterion: str
@@ -124,7 +124,8 @@ class Capability:
 
     def load_factors(self, states: ArrayLike) -> FloatArray:
         """Return the greatest factors (n_states,) that states (n_states, n_parameters) bear, as `limits`."""
-        return np.asarray(self.limits(states).min(axis=1))
+        damage = checked_damage(states, self.parameters)
+        return np.array([self._load_factor(row) for row in damage]).reshape(-1)
 
     def failure_probability(self, states: ArrayLike, factor: float, spread: float) -> FloatArray:
         """Return the probability (n_states,) that states do not bear a factor, of lognormal limits.
@@ -135,14 +136,24 @@ class Capability:
             raise InputError(f"factor is {factor!r} and spread {spread!r}; expected numbers above 0; correct them")
         return np.asarray(ndtr(np.log(factor / self.load_factors(states)) / spread))
 
+    def _load_factor(self, damage: FloatArray) -> float:
+        """Return the least limit; that of buckling is found only where it is the least."""
+        parts = self.model.parts(damage[None])[0]
+        least = min(self._strained(damage, parts))
+        return least if self.buckling.holds(damage, parts, least) else self.buckling.factor(damage, parts)
+
     def _limits(self, damage: FloatArray) -> tuple[float, float, float]:
         parts = self.model.parts(damage[None])[0]
-        strains = (self.strains.reshape(-1, len(parts)) @ parts).reshape(-1, 3)  # one product, not one a corner
-        factors = block_factors(self.blocks, strains, self.criterion)
+        ply, deflection = self._strained(damage, parts)
+        return ply, self.buckling.factor(damage, parts), deflection
+
+    def _strained(self, damage: FloatArray, parts: FloatArray) -> tuple[float, float]:
+        """Return the factors at which a ply fails and at which the deflection is reached."""
+        own = self.strains.reshape(-1, len(parts)) @ parts.astype(self.strains.dtype)  # one product, not one a corner
+        factors = block_factors(self.blocks, own.reshape(-1, 3).astype(np.float64), self.criterion)
         if self.zones is not None:
             factors /= self.zones.grown(damage)[self.zone]
-        deflected = abs(float(self.deflection @ parts))
-        return float(factors.min()), self.buckling.factor(damage, parts), 1.0 / max(deflected, 1e-300)
+        return float(factors.min()), 1.0 / max(abs(float(self.deflection @ parts)), 1e-300)
 
 
 def reduce_capability(
@@ -201,6 +212,7 @@ def reduce_capability(
         )
     kept = _kept(every, of_parts, limits.criterion, forced, zones)
     strains = np.concatenate([np.moveaxis(block.strain(of_parts), -1, 1) for block in kept])
+    strains = strains.astype(np.float32)  # as the model's motion is; the product takes what memory takes to be read
     zone = None if zones is None else zones.of_corner[np.concatenate([block.corners for block in kept])]
     buckling = reduce_buckling(structure, motion, solved, forced)
     deflection = limits.row @ motion / limits.most_deflection
