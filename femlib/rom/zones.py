@@ -151,7 +151,7 @@ def _growth_of_rest(limit: FloatArray, needs: FloatArray) -> FloatArray:
     growth = limit / needs.max(axis=1)
     for level in np.flatnonzero(needs.argmax(axis=1) < needs.shape[1] - 1):
         growth[level] = growth[level - 1] if level else 1.0
-    return growth
+    return np.asarray(growth)
 
 
 def _pairs_off(
