@@ -59,7 +59,7 @@ class ReducedBuckling:
         return float(1.0 / top) if top > 0.0 else float("inf")
 
     def holds(self, damage: FloatArray, parts: FloatArray, factor: float) -> bool:
-        """Return whether `factor` on the load is below that of `factor()`: one factorisation, a tenth of its time."""
+        """Return whether `factor` on the load is below that of `factor`: one factorisation in place of eigenvalues."""
         stiffness, compressed = self._matrices(damage, parts)
         try:
             linalg.cholesky(stiffness - factor * compressed, lower=True, overwrite_a=True, check_finite=False)

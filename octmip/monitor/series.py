@@ -115,7 +115,7 @@ class Series:
 
     def _together(self, state: int) -> Finding | None:
         """Return the damage that a faulty gauge and its neighbours show; the gauges are at hand again."""
-        rows, loads = (np.array(part) for part in zip(*self._kept, strict=True))
+        rows, loads = (np.array(part, dtype=np.float64) for part in zip(*self._kept, strict=True))
         rows[:, sorted(self._stuck)] = np.nan
         asked = self.faulty - self._stuck
         began = {g: _log_evidence(self.watch, rows, loads, asked - {g}, [g])[:, 0] for g in sorted(asked)}
