@@ -72,4 +72,6 @@ DURATIONS = (
 PLAIN = re.compile(r"\d{4}-\d{2}-\d{2}(?:[T ]\d{2}:\d{2}(?::\d{2}(?:\.\d{1,9})?)?(?:Z|[+-]\d{2}:?\d{2})?)?")
 ZONE = re.compile(r":\d\d(?:[.,]\d+)?\s*(?:UTC|GMT)?(Z|[-+]\d\d:?\d\d)$")
 """An offset behind a time of day."""
+AFTER_OFFSET = re.compile(r"(Z|[-+]\d\d:?\d\d)(?: [A-Z]{3,5}|\[[A-Za-z_]+(?:/[A-Za-z_+-]+)*\])$")
+"""The name of a zone behind its offset, as Java and Go write it: +01:00[Europe/Berlin], +0200 CEST."""
 GERMAN = ("januar", "februar", "märz", "mär", "mrz", "mai", "juni", "juli", "oktober", "okt", "dezember", "dez")

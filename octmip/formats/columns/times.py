@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.formats.columns.instants import days_of
 from octmip.formats.columns.spellings import (
+    AFTER_OFFSET,
     DAYS,
     DURATIONS,
     GERMAN,
@@ -66,7 +67,7 @@ def days_in(spans: "pd.Series[Any]") -> Floats:
 
 def zone_in(texts: Sequence[str]) -> str:
     """Return the offset from UTC in dates; "UTC" where they have several, "" without any."""
-    found = {zone[1] for text in texts if (zone := ZONE.search(text.strip()))}
+    found = {zone[1] for text in texts if (zone := ZONE.search(AFTER_OFFSET.sub(r"\1", text.strip())))}
     return "" if not found else f"{one[:3]}:{one[-2:]}" if len(found) == 1 and (one := found.pop()) != "Z" else "UTC"
 
 
@@ -197,7 +198,7 @@ def _stamped(column: "pd.Series[Any]") -> tuple[Integers, Integers] | None:
 
 def _parsed(text: str, form: str) -> tuple[int, int] | None:
     """Return whole days since 1970-01-01 and nanoseconds of the day of one text; None where it is not of the form."""
-    text = unicodedata.normalize("NFKC", text)  # narrow blanks before AM and PM
+    text = AFTER_OFFSET.sub(r"\1", unicodedata.normalize("NFKC", text))  # narrow blanks before AM and PM
     if form == DAYS:
         return _first(_duration, (pattern.fullmatch(text) for pattern in DURATIONS))
     weekday = WEEKDAY.match(text)

@@ -36,8 +36,10 @@ NUMBER_PART = re.compile(
     r"(?P<minus>[-+]?)\s*(?P<before>[^\w\s%.,'+-]?)\s*(?P<digits>[0-9][0-9.,' \u00a0\u202f]*?)"
     rf"\s*(?P<after>{UNIT}|[^\w\s.,'+-]?)"
 )
-BELOW = re.compile(r"\((?P<a>[^()+-]*[0-9][^()+-]*)\)|(?P<b>[^()+-]*[0-9][^()+-]*?)\s*-")
+BELOW = re.compile(r"(?P<sign>[^\w\s()+-]?)\s*\((?P<a>[^()+-]*[0-9][^()+-]*)\)|(?P<b>[^()+-]*[0-9][^()+-]*?)\s*-")
 """A number below zero as accountants and SAP write it."""
+ACCOUNTED_ZERO = re.compile(r" [^\w\s]?\s*- {2,}")
+"""A zero as Excel's accounting formats write it, between blanks."""
 DIGITS = {  # no group begins with a zero: 0,945 has decimals
     "1,000.5": r"(?:[1-9][0-9]{0,2}(?:[,' \u00a0\u202f][0-9]{3})+|[1-9][0-9]?(?:,[0-9]{2})+,[0-9]{3}|[0-9]+)"
     r"(?:\.[0-9]%s)?",
@@ -146,7 +148,7 @@ def _numeric_forms(texts: Sequence[str]) -> tuple[str, ...]:
 def _signed(text: str) -> str:
     """Return a number with its minus before it."""
     below = BELOW.fullmatch(text)
-    return text if below is None else f"-{below['a'] or below['b']}"
+    return text if below is None else f"-{below['sign'] or ''}{below['a'] or below['b']}"
 
 
 def _is_unit(sign: str) -> bool:

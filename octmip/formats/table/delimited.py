@@ -12,6 +12,7 @@ from typing import Any
 import pandas as pd
 
 from octmip.errors import DataError
+from octmip.formats.columns.written import ACCOUNTED_ZERO
 from octmip.formats.table.layout import Layout, layout_of
 from octmip.formats.table.lines import Line, is_value, split_rows
 from octmip.formats.table.names import check_names
@@ -168,6 +169,8 @@ def _without_blanks(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]
         bare = {text: text.strip() for text in texts if isinstance(text, str) and text != text.strip()}
         if bare:
             words = {text: None if word in NO_NUMBERS else word for text, word in bare.items()}
+            if any(char.isdigit() for text in texts for char in str(text)):
+                words |= {text: "0" for text in bare if ACCOUNTED_ZERO.fullmatch(text)}
             frame = frame.assign(**{name: [words.get(cell, cell) for cell in column]})
             padded.append(name)
     told = f"blanks at the ends of texts are left out: {several(padded)}"

@@ -16,7 +16,7 @@ from octmip.formats.table.lines import (
     split_rows,
     width_of,
 )
-from octmip.formats.table.units import is_type, is_unit, unit_behind, unit_in
+from octmip.formats.table.units import is_type, is_unit, plain_unit, unit_behind, unit_in
 from octmip.input.messages import several
 
 END_OF_HEADER = "***End_of_Header***"
@@ -25,6 +25,8 @@ CAMPBELL = ("TOA5", "TOACI1")
 """First cell of a table of a Campbell logger, whose next line is the header."""
 MOST_ABOVE = 4
 """Rows between a header and its units: serial numbers, ranges, channels."""
+LONGEST_UNIT = 12
+"""Characters of a word that may be a unit which no table knows."""
 RATE = re.compile(r"\d+(?:[.,]\d+)? ?[kM]?Hz")
 
 
@@ -111,6 +113,15 @@ def _marked_rows(rows: list[Line], lines: Sequence[tuple[int, str]], separator: 
 def is_units(cells: Sequence[str]) -> bool:
     """Whether a row holds units, or nothing, in every cell."""
     return any(cells) and all(not cell or is_unit(cell) or RATE.fullmatch(cell) for cell in cells)
+
+
+def _has_units(cells: Sequence[str]) -> bool:
+    """Whether a row below a header holds units: all, or half of its cells and words beside them, as ms, counts, cm."""
+    present = [cell for cell in cells if cell]
+    known = [cell for cell in present if is_unit(cell)]
+    are_words = all(len(cell) <= LONGEST_UNIT and not is_value(cell) for cell in present)
+    is_sure = are_words and any(len(plain_unit(cell)) > 1 for cell in known)
+    return is_units(cells) or (is_sure and 2 * len(known) >= len(present))
 
 
 def _first_row(rows: Sequence[Line], start: int, n_cells: int) -> tuple[int, list[int]]:
@@ -245,7 +256,7 @@ def _between(
 
 def _units_of(cells: Sequence[str]) -> tuple[str, ...]:
     """Return the units in a row of units, or behind the names of a second header; () in any other row."""
-    if is_units(cells):
+    if _has_units(cells):
         return tuple(map(unit_in, cells))
     names, units = zip(*map(unit_behind, cells), strict=True)
     are_names = not any(name and is_value(name) for name in names)
@@ -254,7 +265,7 @@ def _units_of(cells: Sequence[str]) -> tuple[str, ...]:
 
 def _names_units(cells: Sequence[str], numeric: Sequence[int]) -> bool:
     """Whether a row is one of units: of numbers where there are such columns, since m is a class too."""
-    if not is_units(cells):
+    if not _has_units(cells):
         units = _units_of(cells)
         return any(units[j] for j in numeric if j < len(units))
     return not numeric or any(cells[j] for j in numeric if j < len(cells)) or not any(map(unit_in, cells))

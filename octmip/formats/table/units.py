@@ -162,5 +162,7 @@ def _by_pint(given: str, wanted: str) -> float | None:
         if roots[0] != roots[1] or (0.0 * one).to(other.units).magnitude != 0.0:
             return None
         return float((1.0 * one).to(other.units).magnitude / other.magnitude)
-    except (pint.PintError, AttributeError, TypeError, ValueError, ZeroDivisionError, tokenize.TokenError):
+    except (pint.PintError, AttributeError, TypeError, ValueError, ArithmeticError, tokenize.TokenError):
+        return None
+    except AssertionError:  # what pint says of an inch mark
         return None

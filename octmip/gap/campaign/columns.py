@@ -31,6 +31,9 @@ DAY_NAMES = ("date", "day", "datum")
 """Names of a column with the day of a time of day."""
 SECONDS = 86_400
 NUMBER_LIKE = re.compile(r"[-+]?\d[\d., '\u00a0\u202f]*")
+SPAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?) ?([^\W\d]+)")
+SECONDS_IN = {"ms": 1e-3, "s": 1.0, "sec": 1.0, "min": 60.0, "h": 3600.0, "hr": 3600.0, "day": 86400.0}
+"""Units behind each time, as MATLAB's durations have."""
 GREATEST = 1e300
 """Sums of greater readings overflow; some loggers write the greatest float64 where they have none."""
 FINER = {"nanoseconds": (1e17, "ns"), "microseconds": (1e14, "us"), "milliseconds": (1e11, "ms")}
@@ -83,7 +86,7 @@ class CampaignColumns:
         cells = self.table.frame[self.place[name]]
         return tuple("" if gone else str(cell).strip() for cell, gone in zip(cells, cells.isna(), strict=True))
 
-    def floats(self, name: str, words: bool = False) -> Floats:
+    def floats(self, name: str, words: bool = False, infinite: bool = False) -> Floats:
         """Return the numbers (n_rows,) of a column in the file's unit, NaN where the cell is empty.
 
         Parameters
@@ -92,6 +95,8 @@ class CampaignColumns:
             of the column.
         words
             whether a word such as NA is an empty cell too.
+        infinite
+            whether samples may be infinite: so loggers write what lies beyond their range.
 
         Raises
         ------
@@ -104,10 +109,10 @@ class CampaignColumns:
         else:
             grouped = self._grouped(name, words)
             values = grouped if grouped is not None else self._plain(name, words)
-        infinite = np.flatnonzero(np.isinf(values) | (words & (np.abs(values) > GREATEST)))
-        if infinite.size:
+        beyond = np.flatnonzero(np.isinf(values) | (words & (np.abs(values) > GREATEST)))
+        if beyond.size and not infinite:
             raise DataError(
-                f"row {self.numbers[infinite[0]]}, column {name} is {values[infinite[0]]}; expected a finite number; "
+                f"row {self.numbers[beyond[0]]}, column {name} is {values[beyond[0]]}; expected a finite number; "
                 "leave it empty if missing"
             )
         return values
@@ -139,7 +144,7 @@ class CampaignColumns:
         """Return the plain numbers (n_rows,) of a column; of what is none a word is told before a mark in a number."""
         texts = self.texts(name)
         missing = ["nan" if not text or (words and is_missing_word(text)) else text for text in texts]
-        values = [plain_number(text) for text in missing]
+        values = [plain_number(text.replace("∞", "inf")) for text in missing]
         bad = [row for row, value in enumerate(values) if value is None]
         if not bad:
             return np.array(values, dtype=np.float64)
@@ -196,6 +201,10 @@ class CampaignColumns:
         present = [text for text in dict.fromkeys(texts) if text and not is_missing_word(text)]
         if column.dtype.kind in "iuf" or all(plain_number(text) is not None for text in present):
             return self._counted(self.floats(TIME, words=True))
+        with_unit = [SPAN.fullmatch(text) for text in present]
+        if {found[2] if found else "" for found in with_unit} - set(SECONDS_IN) == set():
+            seconds = {found[0]: float(found[1]) * SECONDS_IN[found[2]] for found in with_unit if found}
+            return np.array([seconds.get(text, np.nan) for text in texts]), ()
         try:
             return self._written(texts, present)
         except DataError as error:

@@ -8,6 +8,7 @@ import io
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -38,14 +39,15 @@ def read(path: Path) -> Recording:
     del text  # which is as large as its segments
     separator = "," if "Separator,Comma" in head else "\t"
     found: dict[str, list[tuple[str, Floats, Floats]]] = {}
-    start = None
+    start: Any = None
     for body in bodies:  # the rows of a segment, and the header of the next
-        keys = {**_keys(head, separator), **_keys(begin, separator)}
+        keys = _of_channels({**_keys(head, separator), **_keys(begin, separator)})
         rows, _, begin = body.partition("\n\n")
-        at = pd.to_datetime(" ".join(keys[key][0] for key in ("Date", "Time") if key in keys), errors="coerce")
-        start = at if start is None else start
-        late = 0.0 if pd.isna(at) or pd.isna(start) else (at - start).total_seconds()
-        for name, unit, time, values in _channels(path, rows, keys, separator):
+        for k, (name, unit, time, values) in enumerate(_channels(path, rows, keys, separator)):
+            stamp = " ".join(keys[key][min(k, len(keys[key]) - 1)] for key in ("Date", "Time") if keys.get(key))
+            at = pd.to_datetime(stamp, errors="coerce")
+            start = at if start is None else start
+            late = 0.0 if pd.isna(at) or pd.isna(start) else (at - start).total_seconds()
             found.setdefault(name, []).append((unit, late + time, values))
     told += (f"{len(bodies)} segments follow one another.",) * (len(bodies) > 1)
     return Recording("lvm", {name: functools.partial(_joined, name, own) for name, own in found.items()}, notes=told)
@@ -59,6 +61,13 @@ def _joined(name: str, pieces: list[tuple[str, Floats, Floats]]) -> Channel:
 def _keys(header: str, separator: str) -> Keys:
     cells = ([cell.strip() for cell in line.split(separator)] for line in header.splitlines())
     return {row[0]: row[1:] for row in cells if row[0]}
+
+
+def _of_channels(keys: Keys) -> Keys:
+    """Return a cell for each channel: with times before each, their cells stand over the channels, gaps between."""
+    if keys.get("X_Columns", ["One"])[0] != "Multi":
+        return keys
+    return {key: cells[::2] if len(cells) > 1 and not any(cells[1::2]) else cells for key, cells in keys.items()}
 
 
 def _channels(path: Path, rows: str, keys: Keys, separator: str) -> Iterator[tuple[str, str, Floats, Floats]]:

@@ -40,7 +40,7 @@ def read(path: Path) -> Recording:
     time, how = columns.time()
 
     def loaded(column: str) -> Channel:
-        return Channel(column, units[column], time, columns.floats(column, words=True))
+        return Channel(column, units[column], time, columns.floats(column, words=True, infinite=True))
 
     others = [column for column in table.columns if column and column != stamps]
     return Recording("table", {name: functools.partial(loaded, name) for name in others}, notes=(*table.notes, *how))

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from octmip.errors import needed_by
+from octmip.formats.table.units import factor_between
+from octmip.recordings.readers.clock import seconds_in
 from octmip.recordings.recording import Channel, Floats, Recording, told_apart
 
 with needed_by("a recording of UFF58"):
@@ -38,7 +40,9 @@ def read(path: Path) -> Recording:
         times, values = found
         if one["abscissa_spacing"] == EVEN:  # its step has more digits than their sum
             times = one["abscissa_min"] + one["abscissa_inc"] * np.arange(len(values))
-        return Channel(label, _text(one, "ordinate_axis_units_lab"), np.asarray(times, dtype=np.float64), values)
+        unit = _text(one, "abscissa_axis_units_lab")
+        times = seconds_in("of the abscissa", unit if factor_between(unit, "s") is not None else "s", times)
+        return Channel(label, _text(one, "ordinate_axis_units_lab"), times, values)
 
     loaders = {label: functools.partial(loaded, label, *pair) for label, pair in zip(labels, series, strict=True)}
     return Recording("UFF58", loaders, notes=notes)

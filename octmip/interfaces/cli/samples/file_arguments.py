@@ -45,6 +45,8 @@ def check_files(parser: argparse.ArgumentParser, arguments: argparse.Namespace) 
         see above; the sentence names both arguments.
     """
     inputs, outputs = list(_named(parser, arguments, READS)), list(_named(parser, arguments, WRITES))
+    words = (word.partition("=") for word in getattr(arguments, "option", None) or ())
+    outputs += [(f"--option {name}", Path(path)) for name, _, path in words if name == "write" and path]
     for number, (option, path) in enumerate(outputs):
         for other, read in inputs:
             if is_same_file(path, read):
