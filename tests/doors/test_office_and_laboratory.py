@@ -111,3 +111,39 @@ def read_campaign_of(path):
     from octmip.gap import function_twin, read_campaign
 
     return read_campaign(path, function_twin(lambda p, load: [load["load_factor"]], readings={"g1": "mm"}))
+
+
+@pytest.mark.parametrize("separator", [" ", "\t", ","])
+def test_a_quotation_mark_of_r_is_one(separator, tmp_path):
+    sizes = ['3/4" pipe', '1" pipe', '1/2"']
+    written = ['"' + size.replace('"', '\\"') + '"' for size in sizes]
+    rows = [f'"{k}"{separator}{written[k % 3]}{separator}{k / 2}\n' for k in range(9)]
+    (tmp_path / "t.txt").write_text(separator.join(('"row"', '"size"', '"x"')) + "\n" + "".join(rows))
+    assert read_table(tmp_path / "t.txt").frame["size"].tolist() == [sizes[k % 3] for k in range(9)]
+
+
+def test_a_backslash_at_the_end_of_a_text_is_one(tmp_path):
+    (tmp_path / "t.csv").write_text('folder,x\n"C:\\a\\",1\n"C:\\b\\",2\n')
+    assert read_table(tmp_path / "t.csv").frame["folder"].tolist() == ["C:\\a\\", "C:\\b\\"]
+
+
+def test_a_swiss_apostrophe_groups_digits():
+    assert read_texts(["1\u2019234.5", "2\u2019000.25"], form_of(["1\u2019234.5", "2\u2019000.25"])).tolist() == [
+        1234.5,
+        2000.25,
+    ]
+
+
+def test_a_column_with_the_name_of_an_option_keeps_it(tmp_path, capsys):
+    (tmp_path / "t.csv").write_text("leaf_size,z,y\n" + "".join(f"a{k},{k % 5},{k % 2}\n" for k in range(40)))
+    assert main(["solve", str(tmp_path / "t.csv"), "--label", "y", "--depth", "1"]) == 2
+    assert "--drop leaf_size;" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "text", ["9 mars 2025", "9 de marzo de 2025", "9 marzo 2025", "9 de março de 2025", "9. März 2025", "9 mrt. 2025"]
+)
+def test_a_month_has_its_name_in_seven_languages(text):
+    assert (
+        read_time_texts([text], time_form_of([text])).tolist() == read_time_texts(["2025-03-09"], "%Y-%m-%d").tolist()
+    )

@@ -121,3 +121,14 @@ def test_the_enumeration_of_heap_trees_holds_the_optimum_and_lays_trees_as_they_
         every = list(heap_trees(problem))
         assert min(tree.cost for tree in every) == solution.objective
         assert heap_tree(problem, solution.tree).splits in [tree.splits for tree in every]
+
+
+def test_a_variable_of_ones_own_keeps_its_ends():
+    model = octmip.model(PROBLEM, "oct")
+    model.use = pyo.Var(domain=pyo.Binary)
+    model.link = pyo.Constraint(expr=model.use >= model.a[1, 1])
+    results = pyo.SolverFactory("appsi_highs").solve(model)
+    assert octmip.solution_of(model, results).tree.feature == 1
+    model.use.setub(0)  # not solved again
+    with pytest.raises(SolverError, match=r"break use in \[0, 0\]"):
+        octmip.solution_of(model, results)

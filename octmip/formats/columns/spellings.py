@@ -10,11 +10,24 @@ ISO, DAYS, NAMED = "%Y-%m-%d", "days", "%d %b %Y"
 DATES = (ISO, "%Y/%m/%d", "%Y.%m.%d", "%d.%m.%Y", "%d/%m/%Y", "%m/%d/%Y", "%d-%m-%Y", "%m-%d-%Y", NAMED)
 TIMES = (*DATES, DAYS)
 """Every form of a time."""
-MONTHS = {"jan": 1, "feb": 2, "mar": 3, "apr": 4, "may": 5, "jun": 6, "jul": 7, "aug": 8, "sep": 9, "oct": 10} | {
-    "nov": 11, "dec": 12, "mär": 3, "mrz": 3, "mai": 5, "okt": 10, "dez": 12
-}  # fmt: skip
+_YEARS = (
+    "january february march april may june july august september october november december",
+    "januar februar märz april mai juni juli august september oktober november dezember",
+    "janvier février mars avril mai juin juillet août septembre octobre novembre décembre",
+    "enero febrero marzo abril mayo junio julio agosto septiembre octubre noviembre diciembre",
+    "gennaio febbraio marzo aprile maggio giugno luglio agosto settembre ottobre novembre dicembre",
+    "janeiro fevereiro março abril maio junho julho agosto setembro outubro novembro dezembro",
+    "januari februari maart april mei juni juli augustus september oktober november december",
+    "jan feb mar apr may jun jul aug sep oct nov dec",
+    "ene fev mär avr mai juin juil ago sept okt nov dez",
+    "gen févr mrz abr mag giu lug août set ott nov dic",
+    "janv feb mrt apr mei jun jul aug sep out nov déc",
+)
+MONTHS = {name: number for year in _YEARS for number, name in enumerate(year.split(), start=1)}
+"""Months by name: English, German, French, Spanish, Italian, Portuguese, Dutch, and as these are cut short."""
 WEEKDAYS = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
-_MONTH = r"(?P<b>[A-Za-zä]{3,9})\.?"
+_SOME = "jan|feb|mar|apr|may|jun|jul|aug|sep|oct|nov|dec|mär|mrz|mai|okt|dez"  # 2 set, 3 out are no dates
+_MONTH = r"(?P<b>[A-Za-zà-ÿ]{3,10})\.?"
 CLOCK = (
     r"(?P<H>\d{1,2})(?::(?P<M>\d{2})(?::(?P<S>\d{2})(?:(?:[.,]|:(?=\d{3}\b))(?P<f>\d{1,9}))?)?(?:\s*(?P<p>[AaPp])\.?[Mm]\.?)?"
     r"|\s*(?P<p2>[AaPp])\.?[Mm]\.?)"
@@ -25,7 +38,7 @@ _AFTER = rf"(?:(?:[T_:]|,?\s+)(?:{CLOCK})|[T_](?:{_COMPACT})){_ZONE}"
 WEEKDAY = re.compile(r"(?P<a>Mon|Tue|Wed|Thu|Fri|Sat|Sun)[a-z]*\.?,?\s+", re.IGNORECASE)
 CTIME = re.compile(rf"{_MONTH}\s+(?P<d>\d{{1,2}})\s+(?:{CLOCK})(?:{_ZONE}\s+)(?P<Y>\d{{4}})")
 ZONE_NAME = re.compile(r"\d\s*(?P<name>\[?[A-Z][A-Za-z]+(?:/[A-Z][A-Za-z_]+)*\]?)$")
-LOOKS = re.compile(rf"\d:\d\d|\d{{1,4}}([-/.])\d{{1,2}}\1\d{{1,4}}|\d.{{0,2}}\b(?:{'|'.join(MONTHS)})", re.IGNORECASE)
+LOOKS = re.compile(rf"\d:\d\d|\d{{1,4}}([-/.])\d{{1,2}}\1\d{{1,4}}|\d.{{0,2}}\b(?:{_SOME})", re.IGNORECASE)
 SHORT_YEAR = re.compile(r"(?:\d{1,2}([/-])\d{1,2}\1\d{2}|\d{2}\.\d{2}\.\d{2})(?:[T\s,].*)?")
 MINUTES = re.compile(r"\d{1,2}:\d{2}[.,]\d+")
 
@@ -52,7 +65,7 @@ PATTERNS = {
     "%m-%d-%Y": _dated(f"{_m}-{_d}-{_Y}"),
     NAMED: (
         *_dated(
-            rf"{_d}(?:st|nd|rd|th|\.)?[\s/-]?\s?{_MONTH},?[\s/-]?{_Y}",
+            rf"{_d}(?:st|nd|rd|th|er|\.)?[\s/-]?\s?(?:de )?{_MONTH},?[\s/-]?(?:de )?{_Y}",
             rf"{_MONTH}\s+{_d}(?:st|nd|rd|th)?,?\s+{_Y}",
             rf"{_Y}[\s-]{_MONTH}[\s-]{_d}",
         ),
@@ -74,4 +87,3 @@ ZONE = re.compile(r":\d\d(?:[.,]\d+)?\s*(?:UTC|GMT)?(Z|[-+]\d\d:?\d\d)$")
 """An offset behind a time of day."""
 AFTER_OFFSET = re.compile(r"(Z|[-+]\d\d:?\d\d)(?: [A-Z]{3,5}|\[[A-Za-z_]+(?:/[A-Za-z_+-]+)*\])$")
 """The name of a zone behind its offset, as Java and Go write it: +01:00[Europe/Berlin], +0200 CEST."""
-GERMAN = ("januar", "februar", "märz", "mär", "mrz", "mai", "juni", "juli", "oktober", "okt", "dezember", "dez")

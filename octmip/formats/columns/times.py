@@ -27,7 +27,6 @@ from octmip.formats.columns.spellings import (
     AFTER_OFFSET,
     DAYS,
     DURATIONS,
-    GERMAN,
     ISO,
     LOOKS,
     MINUTES,
@@ -253,9 +252,7 @@ def _month(part: dict[str, Any]) -> int:
     name = part.get("b")
     if name is None:
         return int(part["m"])
-    full = pd.Timestamp(2000, MONTHS.get(name[:3].lower(), 1), 1).month_name().lower()
-    is_known = name.lower() in (full, full[:3], "sept", *GERMAN)
-    return MONTHS.get(name[:3].lower(), 0) if is_known else 0  # there is no month 0
+    return MONTHS.get(name.lower(), 0)  # there is no month 0
 
 
 def _clock(part: dict[str, Any]) -> int | None:

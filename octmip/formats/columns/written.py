@@ -146,7 +146,8 @@ def _numeric_forms(texts: Sequence[str]) -> tuple[str, ...]:
 
 
 def _signed(text: str) -> str:
-    """Return a number with its minus before it."""
+    """Return a number with its minus before it, and the apostrophe of a Swiss keyboard between its groups."""
+    text = text.replace("\u2019", "'")
     below = BELOW.fullmatch(text)
     return text if below is None else f"-{below['sign'] or ''}{below['a'] or below['b']}"
 

@@ -94,6 +94,12 @@ class Source:
         DataError
             as `content`, or it is neither.
         """
+        text, told = self._decoded()
+        if not _escapes_quotes(text):
+            return text, told
+        return text.replace('\\"', '""'), (*told, f'\\" stands for a quotation mark within the texts of {self.name}')
+
+    def _decoded(self) -> tuple[str, tuple[str, ...]]:
         content = _marked(self.content())
         is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
         what = "" if is_wide else next((what for mark, what in NO_TABLE.items() if mark.match(content)), "")
@@ -117,6 +123,16 @@ class Source:
             return _with_line_feeds(text), (
                 f"{self.name} is not UTF-8 and was read as latin-1 (Windows-1252): line {line} has {first!r}",
             )
+
+
+def _escapes_quotes(text: str) -> bool:
+    """Whether quotation marks within texts follow a backslash, as R's write.table writes them, and do not stand twice.
+
+    Read so the marks of each line come in pairs, and otherwise not those of some.
+    """
+    lines = [line for line in text.split("\n") if '\\"' in line] if '\\"' in text else []
+    pairs = [(line.count('"') % 2 == 0, line.replace('\\"', "").count('"') % 2 == 0) for line in lines]
+    return any(not doubled for doubled, _ in pairs) and all(escaped for _, escaped in pairs)
 
 
 def _marked(content: bytes) -> bytes:

@@ -127,14 +127,18 @@ def _one_line(error: OctmipError) -> str:
 def _with_options(message: str, words: list[str]) -> str:
     """Return a message with the options of a command in place of the names that Python has for them.
 
-    A name of one plain word stays: it may be a word of the sentence.
+    A name of one plain word stays: it may be a word of the sentence. So does that of a column or of a model's row.
     """
     if not words or words[0] not in COMMANDS:
         return message
     options = {one.dest: one.option_strings[-1] for one in _parser(words[0])._actions if one.option_strings}
     options |= {name: options[dest] for name, dest in NAMES.items() if dest in options}
     names = "|".join(name for name in options if "_" in name)
-    return re.sub(rf"(?<!['\w.-])({names})\b(?!['(])", lambda found: options[found[0]], message) if names else message
+    return (
+        re.sub(rf"(?<!['\w.-])(?<!--drop )({names})\b(?!['(\[])", lambda found: options[found[0]], message)
+        if names
+        else message
+    )
 
 
 def _parser(command: str) -> Parser:

@@ -57,10 +57,13 @@ class Changes:
         what forbids solutions of it.
     taken
         the names of what it no longer asks.
+    own
+        ends and kinds of variables that are not the model's; the rows that they stand in are named.
     """
 
     added: tuple[Added, ...]
     taken: tuple[str, ...]
+    own: tuple[Added, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -74,7 +77,8 @@ class Changes:
 
     def broken(self, value_of: Callable[[Any], float]) -> str:
         """Return the name of what the values of variables break most, "" where they keep all."""
-        worst = max(((one.breach(value_of), one.name) for one in self.added), default=(0.0, ""))
+        every = (*self.added, *self.own)
+        worst = max(((one.breach(value_of), one.name) for one in every), default=(0.0, ""))
         return worst[1] if worst[0] > 1 else ""
 
 
@@ -106,7 +110,8 @@ def changes_of(model: Any, rows: Rows, variables: list[Any]) -> Changes:
     _compare_rows(root, model, rows, variables, column, added, taken)
     added += [_set(one) for one in root.component_data_objects(pyo.SOSConstraint, active=True)]
     added += [_rule(one) for one in root.component_data_objects(pyo.LogicalConstraint, active=True)]
-    return Changes(tuple(added), tuple(taken))
+    others = [one for one in root.component_data_objects(pyo.Var, active=True) if id(one) not in column]
+    return Changes(tuple(added), tuple(taken), tuple(_ends_kept(one) for one in others if one.value is not None))
 
 
 def is_untouched(variables: list[Any]) -> bool:
@@ -171,6 +176,18 @@ def _compare_variable(
 def _ends(variable: Any) -> tuple[float, float]:
     low, high = variable.lb, variable.ub
     return -math.inf if low is None else float(low), math.inf if high is None else float(high)
+
+
+def _ends_kept(variable: Any) -> Added:
+    """Return the ends and kind of a variable as what they forbid."""
+    least, most = _ends(variable)
+    is_whole = variable.is_integer() or variable.is_binary()
+
+    def breach(value_of: Callable[[Any], float]) -> float:
+        value = value_of(variable)
+        return max(_excess(value, least, most) / MOST_VIOLATION, _from_whole(value) if is_whole else 0.0)
+
+    return Added(f"{variable.name} in [{least:g}, {most:g}]", breach)
 
 
 def _from_whole(value: float) -> float:
