@@ -1,6 +1,7 @@
 """Cells of offices and of laboratories: amounts, times with a zone, rows of units, samples beyond a range."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from octmip.errors import DataError
@@ -147,3 +148,12 @@ def test_a_month_has_its_name_in_seven_languages(text):
     assert (
         read_time_texts([text], time_form_of([text])).tolist() == read_time_texts(["2025-03-09"], "%Y-%m-%d").tolist()
     )
+
+
+def test_texts_of_one_width_are_the_same_in_csv_and_parquet(tmp_path):
+    pytest.importorskip("pyarrow")
+    frame = pd.DataFrame({"m": ["Bell  ", "Arno  ", None, "x"], "list": [[1], [2], [3], [4]], "n": [1, 2, 3, 4]})
+    frame.to_parquet(tmp_path / "t.parquet")
+    read = read_table(tmp_path / "t.parquet")
+    assert read.frame["m"].tolist()[:2] == ["Bell", "Arno"]
+    assert read.notes == ("blanks at the ends of texts are left out: 'm'",)

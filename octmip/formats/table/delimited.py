@@ -90,8 +90,7 @@ def read_delimited(
         _refuse_ragged(source, layout, is_refused=False)  # pandas fills a row that is too short
     codes = _codes(frame, cells)
     frame, told = _named(source, frame, layout, keeps_names)
-    frame, padded = _without_blanks(frame)
-    return frame, layout, (*notes, *layout.notes, *told, *padded, *codes)
+    return frame, layout, (*notes, *layout.notes, *told, *codes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,19 +158,21 @@ def _codes(frame: pd.DataFrame, cells: _Cells) -> tuple[str, ...]:
     return tuple(told)
 
 
-def _without_blanks(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
+def without_blanks(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Return the table whose texts have no blanks at their ends, as programs write that align columns, and a note."""
     padded = []
     for name in frame.columns:
         column = frame[name]
         is_bare = isinstance(column.dtype, pd.StringDtype) and bool((column.str.strip() == column).fillna(True).all())
-        texts = () if column.dtype.kind in "biuf" or is_bare else column.dropna().unique()
-        bare = {text: text.strip() for text in texts if isinstance(text, str) and text != text.strip()}
+        has_none = column.dtype.kind in "biufmM" or is_bare or isinstance(column.dtype, pd.CategoricalDtype)
+        texts: set[str] = set() if has_none else {cell for cell in column if isinstance(cell, str)}
+        bare = {text: text.strip() for text in texts if text != text.strip()}
         if bare:
-            words = {text: None if word in NO_NUMBERS else word for text, word in bare.items()}
-            if any(char.isdigit() for text in texts for char in str(text)):
+            words: dict[Any, Any] = {text: None if word in NO_NUMBERS else word for text, word in bare.items()}
+            if any(char.isdigit() for text in texts for char in text):
                 words |= {text: "0" for text in bare if ACCOUNTED_ZERO.fullmatch(text)}
-            frame = frame.assign(**{name: [words.get(cell, cell) for cell in column]})
+            cells: list[Any] = [words.get(cell, cell) if isinstance(cell, str) else cell for cell in column]
+            frame = frame.assign(**{name: cells})
             padded.append(name)
     told = f"blanks at the ends of texts are left out: {several(padded)}"
     return frame, (told,) * bool(padded)

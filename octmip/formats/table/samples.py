@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.columns.written import form_of, is_time, read_texts, unit_of
-from octmip.formats.table.delimited import read_delimited, rows_in
+from octmip.formats.table.delimited import read_delimited, rows_in, without_blanks
 from octmip.formats.table.layout import layout_of
 from octmip.formats.table.parquet import read_parquet
 from octmip.formats.table.source import Source, open_source
@@ -308,6 +308,8 @@ def read_table(path: PathLike, as_text: str | None = None, *, keeps_names: bool 
     else:
         frame, layout, notes = read_delimited(source, as_text, keeps_names)
         units = tuple((name, unit) for name, unit in zip(layout.header, layout.units, strict=False) if name and unit)
+    frame, padded = without_blanks(frame)  # also of Parquet: a database fills its texts of one width up
+    notes += padded
     if frame.empty:
         raise DataError(
             f"{source.name} has {len(frame.columns)} columns and {len(frame)} rows; expected at least one row"
