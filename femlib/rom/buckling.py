@@ -1,4 +1,4 @@
-"""The buckling load of any damage state, from modes of sampled states, in a fraction of a millisecond.
+"""The buckling load of any damage state, from modes of sampled states, in milliseconds.
 
 On the span Phi of sampled buckling modes, orthonormal in K_0,
 

@@ -1,4 +1,4 @@
-"""Capability: the greatest factor on a load that a structure bears in any damage state, in under a millisecond.
+"""Capability: the greatest factor on a load that a structure bears in any damage state, in milliseconds.
 
 Three limits, each a factor on the load, of which the least counts: a ply fails (`femlib.strength`: closed form along
 the ray of loads), the shells buckle (`femlib.rom.buckling`), a displacement reaches what is allowed. Strains are those

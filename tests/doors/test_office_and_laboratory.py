@@ -9,6 +9,7 @@ from octmip.formats.columns.times import read_time_texts, time_form_of, zone_in
 from octmip.formats.columns.written import form_of, read_texts
 from octmip.formats.table import read_table
 from octmip.formats.table.units import factor_between
+from octmip.gap import function_twin, read_campaign
 from octmip.interfaces.cli import main
 from octmip.recordings import recording
 from tests.doors.test_uff_text import text_of
@@ -103,15 +104,10 @@ def test_a_model_that_is_written_takes_no_tables_place(tmp_path, capsys):
 
 
 def test_a_reading_of_a_campaign_is_never_infinite(tmp_path):
+    twin = function_twin(lambda p, load: [load["load_factor"]], readings={"g1": "mm"})
     (tmp_path / "c.csv").write_text("test,load_factor,g1\na,1,∞\na,2,3\n")
     with pytest.raises(DataError, match="inf"):
-        read_campaign_of(tmp_path / "c.csv")
-
-
-def read_campaign_of(path):
-    from octmip.gap import function_twin, read_campaign
-
-    return read_campaign(path, function_twin(lambda p, load: [load["load_factor"]], readings={"g1": "mm"}))
+        read_campaign(tmp_path / "c.csv", twin)
 
 
 @pytest.mark.parametrize("separator", [" ", "\t", ","])
@@ -152,8 +148,8 @@ def test_a_month_has_its_name_in_seven_languages(text):
 
 def test_texts_of_one_width_are_the_same_in_csv_and_parquet(tmp_path):
     pytest.importorskip("pyarrow")
-    frame = pd.DataFrame({"m": ["Bell  ", "Arno  ", None, "x"], "list": [[1], [2], [3], [4]], "n": [1, 2, 3, 4]})
+    frame = pd.DataFrame({"m": ["Bell  ", "nan   ", None, "x"], "list": [[1], [2], [3], [4]], "n": [1, 2, 3, 4]})
     frame.to_parquet(tmp_path / "t.parquet")
     read = read_table(tmp_path / "t.parquet")
-    assert read.frame["m"].tolist()[:2] == ["Bell", "Arno"]
+    assert read.frame["m"].tolist()[:2] == ["Bell", "nan"]  # a text, as in a column that is not padded
     assert read.notes == ("blanks at the ends of texts are left out: 'm'",)

@@ -5,7 +5,7 @@ import functools
 import io
 import itertools
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -90,7 +90,8 @@ def read_delimited(
         _refuse_ragged(source, layout, is_refused=False)  # pandas fills a row that is too short
     codes = _codes(frame, cells)
     frame, told = _named(source, frame, layout, keeps_names)
-    return frame, layout, (*notes, *layout.notes, *told, *codes)
+    frame, padded = without_blanks(frame, NO_NUMBERS)
+    return frame, layout, (*notes, *layout.notes, *told, *padded, *codes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,8 +159,11 @@ def _codes(frame: pd.DataFrame, cells: _Cells) -> tuple[str, ...]:
     return tuple(told)
 
 
-def without_blanks(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Return the table whose texts have no blanks at their ends, as programs write that align columns, and a note."""
+def without_blanks(frame: pd.DataFrame, missing: Collection[str] = ()) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return the table whose texts have no blanks at their ends, as programs write that align columns, and a note.
+
+    Texts that are in `missing` without blanks are missing cells.
+    """
     padded = []
     for name in frame.columns:
         column = frame[name]
@@ -168,7 +172,7 @@ def without_blanks(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
         texts: set[str] = set() if has_none else {cell for cell in column if isinstance(cell, str)}
         bare = {text: text.strip() for text in texts if text != text.strip()}
         if bare:
-            words: dict[Any, Any] = {text: None if word in NO_NUMBERS else word for text, word in bare.items()}
+            words: dict[Any, Any] = {text: None if word in missing else word for text, word in bare.items()}
             if any(char.isdigit() for text in texts for char in text):
                 words |= {text: "0" for text in bare if ACCOUNTED_ZERO.fullmatch(text)}
             cells: list[Any] = [words.get(cell, cell) if isinstance(cell, str) else cell for cell in column]

@@ -305,11 +305,11 @@ def read_table(path: PathLike, as_text: str | None = None, *, keeps_names: bool 
     units: tuple[tuple[str, str], ...] = ()
     if source.format == "parquet":
         frame, notes = read_parquet(source, as_text, keeps_names)
+        frame, padded = without_blanks(frame)  # a database fills texts of one width up
+        notes += padded
     else:
         frame, layout, notes = read_delimited(source, as_text, keeps_names)
         units = tuple((name, unit) for name, unit in zip(layout.header, layout.units, strict=False) if name and unit)
-    frame, padded = without_blanks(frame)  # also of Parquet: a database fills its texts of one width up
-    notes += padded
     if frame.empty:
         raise DataError(
             f"{source.name} has {len(frame.columns)} columns and {len(frame)} rows; expected at least one row"

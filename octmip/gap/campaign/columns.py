@@ -202,7 +202,7 @@ class CampaignColumns:
         if column.dtype.kind in "iuf" or all(plain_number(text) is not None for text in present):
             return self._counted(self.floats(TIME, words=True))
         with_unit = [SPAN.fullmatch(text) for text in present]
-        if {found[2] if found else "" for found in with_unit} - set(SECONDS_IN) == set():
+        if {found[2] if found else "" for found in with_unit} <= set(SECONDS_IN):
             seconds = {found[0]: float(found[1]) * SECONDS_IN[found[2]] for found in with_unit if found}
             return np.array([seconds.get(text, np.nan) for text in texts]), ()
         try:

@@ -11,6 +11,7 @@ from typing import Any
 
 from octmip.errors import DataError
 from octmip.input.files import check_writable, is_same_file
+from octmip.trees.methods.options import MODEL_FILE, all_options, values_of
 
 READS, WRITES = "reads", "writes"
 STANDARD_INPUT = "-"
@@ -45,8 +46,9 @@ def check_files(parser: argparse.ArgumentParser, arguments: argparse.Namespace) 
         see above; the sentence names both arguments.
     """
     inputs, outputs = list(_named(parser, arguments, READS)), list(_named(parser, arguments, WRITES))
+    models = {name for name, one in all_options().items() if values_of(one) is MODEL_FILE}
     words = (word.partition("=") for word in getattr(arguments, "option", None) or ())
-    outputs += [(f"--option {name}", Path(path)) for name, _, path in words if name == "write" and path]
+    outputs += [(f"--option {name}", Path(path)) for name, _, path in words if name in models and path]
     for number, (option, path) in enumerate(outputs):
         for other, read in inputs:
             if is_same_file(path, read):
