@@ -12,6 +12,7 @@ FAMILIES = {
     "exact_uci": "benchmarks.cases.exact.uci",
     "exact_uav": "benchmarks.cases.exact.uav",
     "sparse": "benchmarks.cases.exact.sparse",
+    "deep": "benchmarks.cases.exact.deep",
     "two_feature_trees": "benchmarks.cases.two_feature_trees",
     "regression_speed": "benchmarks.cases.regression_speed",
     # What an option and a bound cost and save: docs/results/options.md, docs/theory/exact.md

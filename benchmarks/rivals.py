@@ -86,6 +86,30 @@ def _pycontree(problem: Problem) -> Fit:
     return fit
 
 
+def _pytrees(problem: Problem) -> Fit:
+    from pytrees import ConTreeClassifier
+
+    def fit(seconds: float, threads: int) -> Answer:
+        model = ConTreeClassifier(max_depth=problem.shape.depth, max_time=seconds, use_lds=True)
+        model.fit(problem.samples.features, problem.samples.codes)
+        errors = float((np.asarray(model.predict(problem.samples.features)) != problem.samples.codes).sum())
+        return Answer(errors, errors if model.status_ == "optimal" else -np.inf, "use_lds=True")
+
+    return fit
+
+
+def _cart(problem: Problem) -> Fit:
+    from sklearn.tree import DecisionTreeClassifier
+
+    def fit(seconds: float, threads: int) -> Answer:
+        model = DecisionTreeClassifier(max_depth=problem.shape.depth, random_state=0)
+        model.fit(problem.samples.features, problem.samples.codes)
+        errors = float((model.predict(problem.samples.features) != problem.samples.codes).sum())
+        return Answer(errors, -np.inf, "max_depth")
+
+    return fit
+
+
 def _binary(problem: Problem) -> NDArray[np.int32]:
     columns = [column <= value for column in problem.samples.features.T for value in np.unique(column)[:-1]]
     return np.column_stack(columns).astype(np.int32)
@@ -182,12 +206,24 @@ RIVALS = {
         "octmip",
         is_threaded=True,
     ),
+    "octmip-auto": Rival(
+        _octmip("solve", partial(_loaded, "solver", "solve")),
+        "octmip",
+        is_threaded=True,
+    ),
+    "octmip-search": Rival(
+        _octmip("solve(method='search')", partial(_loaded, "solver", "solve"), method="search"),
+        "octmip",
+        is_threaded=True,
+    ),
     "octmip-core": Rival(
         _octmip("branch_and_bound, no incumbent", partial(_loaded, "methods.exact", "branch_and_bound")),
         "octmip",
         is_threaded=True,
     ),
     "pycontree": Rival(_pycontree, "pycontree"),
+    "pytrees-rs": Rival(_pytrees, "pytrees-rs"),
+    "CART": Rival(_cart, "scikit-learn"),
     "pystreed": Rival(_pystreed, "pystreed"),
     "pydl8.5": Rival(_pydl85, "pydl8.5"),
     "treefarms": Rival(_treefarms, "treefarms"),

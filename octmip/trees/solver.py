@@ -36,11 +36,9 @@ from octmip.trees.question.problem import Problem
 from octmip.trees.regression.ordered import freed, in_order
 from octmip.trees.runs.drawn_rows import setup_seconds, tree_of_drawn_rows
 from octmip.trees.runs.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chosen_method, pauses, solvers_of
-from octmip.trees.runs.solver_call import Call, Pause, options_for, quiet
+from octmip.trees.runs.solver_call import Call, Pause, options_for, quiet, search_before_proof
 
 LOG = logging.getLogger("octmip")  # silent unless its user gives it a level and a handler
-# An incumbent may take this share of the time when time is limited: what remains is the proof's.
-SEARCH_SHARE, FIRST_RESTARTS = 0.2, 4  # few restarts: after the first ones a proof gains more from the time
 MANY_SAMPLES = 10_000  # from so many on a proof of depth 4 begins with one restart: ct-magic has a tree in 0.7 CPU s
 PROVEN_IN_ORDER, SHALLOWER = 3, "exact, less deep"  # depth to which proofs in order end within seconds
 
@@ -58,8 +56,9 @@ def solve(
     """Return the best tree that a method finds within the limits, and the bound that it proves.
 
     Where no incumbent is given, an exact proof from depth 5 on (10,000 samples: 4) begins with a local search for at
-    most a fifth of the time limit. Under "auto" it pauses for one as soon as its bound is a smaller share of the tree
-    than the time spent is of the limit; under "exact" it does so after four fifths of the time.
+    most a fifth of the time limit, under "auto" from depth 5 on until the search is done. Under "auto" it pauses for
+    one as soon as its bound is a smaller share of the tree than the time spent is of the limit; under "exact" it does
+    so after four fifths of the time.
     HiGHS begins with CART's tree (`MipOptions(start="search")`: one of local search). The better of incumbent and
     proof's own tree is returned; `details["tree_by"]` says who found it. Ctrl-C returns the best tree so far
     (`Stop.INTERRUPTED`). Where the time does not suffice to set up a proof of a large table, the tree is one of search,
@@ -312,15 +311,14 @@ def _result(call: Call, name: str, first: Solution | None) -> Solution:
         return tree_of_drawn_rows(call)
     is_given = first is not None
     if first is None and _wants_incumbent(call.problem, name, call.run.options):
-        first = _first_tree(call, name, share=max(SEARCH_SHARE, setup / seconds if setup else 0.0))
+        first = _first_tree(call, name, max(search_before_proof(call)[0], setup / seconds if setup else 0.0))
         if first.stop is Stop.INTERRUPTED:
             return first
     if first is not None and call.run.limits.remaining(call.start).seconds < setup:
         return replace(first, stop=Stop.TIME if first.stop is Stop.FINISHED else first.stop)
     pause = Pause(call, first) if not is_given and pauses(call.problem, name) else None
     proof = call if pause is None else replace(call, run=replace(call.run, progress=pause))
-    # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
-    solution = checked_solution(call.problem, _solved(proof, name, first))
+    solution = _solved(proof, name, first)
     if pause is not None:
         if not pause.n_searches and solution.stop in {Stop.TIME, Stop.MEMORY}:
             if first is None and call.run.limits.remaining(call.start).seconds < 2 * setup:
@@ -330,7 +328,7 @@ def _result(call: Call, name: str, first: Solution | None) -> Solution:
         first = pause.found
     if not solvers_of(call.problem)[name].proves:
         return solution
-    solution = _with_better_tree(solution, first)
+    solution = _with_better_tree(call.problem, solution, first)
     return replace(solution, details=dict(solution.details) | {"tree_by": _finder(solution, name, first)})
 
 
@@ -348,7 +346,7 @@ def _starts_less_deep(problem: Problem, name: str) -> bool:
     return is_in_order and problem.shape.depth > PROVEN_IN_ORDER
 
 
-def _first_tree(call: Call, name: str, share: float = SEARCH_SHARE) -> Solution:
+def _first_tree(call: Call, name: str, share: float) -> Solution:
     """Return the tree that a proof starts from: the best axis-aligned one for boxes of lines, else one of search."""
     if solvers_of(call.problem)[name] is TWO_FEATURE:
         # A few milliseconds; without it a proof that is stopped while it lays out its tables has next to nothing.
@@ -367,7 +365,7 @@ def _first_tree(call: Call, name: str, share: float = SEARCH_SHARE) -> Solution:
         return replace(_result(less, name, None), solver=SHALLOWER, bound=-math.inf)
     options = SearchOptions(cluster=call.run.options.cluster)
     if share < 1.0:  # a proof follows; where it has ended, all the time that is left is the search's
-        options = replace(options, restarts=1 if call.problem.shape.depth <= EXACT.alone_to_depth else FIRST_RESTARTS)
+        options = replace(options, restarts=search_before_proof(call)[1])
     return call.solve("search", None, share=share, options=options)
 
 
@@ -392,9 +390,10 @@ def _known(problem: Problem, incumbent: Node | Solution | None) -> Solution | No
     return Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "incumbent", "1", 0)
 
 
-def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
+def _with_better_tree(problem: Problem, solution: Solution, first: Solution | None) -> Solution:
     if first is None or first.objective >= solution.objective:
         return solution
+    checked_solution(problem, solution)  # what an incumbent covers up would be a wrong claim all the same
     better = replace(solution, tree=first.tree, objective=first.objective)
     is_proven = better.meets_bound and better.stop is not Stop.INTERRUPTED
     return replace(better, stop=Stop.OPTIMAL) if is_proven else better

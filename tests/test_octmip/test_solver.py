@@ -24,7 +24,8 @@ def answering(**changes):
     """Return a solver that answers with the error-free tree of STRIPES, some of its claims changed."""
 
     def answer(problem, *, limits, incumbent, seed, n_jobs, progress, options, **study):
-        answer.calls.append({"limits": limits, "incumbent": incumbent, "seed": seed, "n_jobs": n_jobs})
+        call = {"limits": limits, "incumbent": incumbent, "seed": seed, "n_jobs": n_jobs, "options": options}
+        answer.calls.append(call)
         solution = Solution(ZERO_ERRORS, 0.0, 0.0, Stop.OPTIMAL, 0.0, 1, "answering", "1", seed)
         return dataclasses.replace(solution, **changes)
 
@@ -45,9 +46,9 @@ def test_a_logger_takes_each_certified_solution_and_is_silent_unless_asked(caplo
 def registered(monkeypatch):
     """Return a function that puts a solver in the registry's place of a method."""
 
-    def register(name, function, proves=True):
-        registration = dataclasses.replace(registry.REGISTRY["classes", "axis"][name], proves=proves)
-        monkeypatch.setitem(registry.REGISTRY["classes", "axis"], name, registration)
+    def register(name, function, proves=True, split="axis"):
+        registration = dataclasses.replace(registry.REGISTRY["classes", split][name], proves=proves)
+        monkeypatch.setitem(registry.REGISTRY["classes", split], name, registration)
         previous = registry.Registration.load
         monkeypatch.setattr(
             registry.Registration, "load", lambda self: function if self is registration else previous(self)
@@ -74,6 +75,22 @@ def test_a_proof_starts_from_a_tree_of_search(registered):
     assert call["seed"] == 3
     assert call["n_jobs"] == 2
     assert 98 < call["limits"].seconds < 99  # one is left to a search
+
+
+@pytest.mark.parametrize(
+    ("method", "seconds", "given", "restarts"),
+    [
+        ("auto", 100.0, 85.0, None),  # so deep a proof hardly ends: a search has all but the rest
+        ("auto", math.inf, math.inf, 4),
+        ("exact", 100.0, 20.0, 4),
+    ],
+)
+def test_a_search_before_a_deep_proof_has_its_share(registered, method, seconds, given, restarts):
+    registered("exact", answering())
+    search = registered("search", answering(bound=-math.inf, stop=Stop.FINISHED), proves=False)
+    solve(STRIPES.replace(depth=5), method, Limits(seconds=seconds))
+    assert search.calls[0]["limits"].seconds == pytest.approx(given, rel=0.01)
+    assert search.calls[0]["options"].restarts == restarts
 
 
 @pytest.mark.parametrize("incumbent", [None, Split(0, 0.5, Leaf(0), Leaf(1))])
@@ -264,3 +281,16 @@ def test_a_proof_whose_bound_lags_behind_the_clock_pauses_for_a_search(registere
     assert solution.objective == (1.0 if n_searches else 2.0)
     assert solution.details["tree_by"] == ("answering" if n_searches else "exact")
     assert [state.objective for state in shown] == [2.0, 1.0][: len(states)]
+
+
+def test_a_proof_over_two_features_pauses_too(registered):
+    asked = Problem([[0, 1], [1, 0], [2, 1], [3, 0]], [0, 1, 1, 0], depth=2, split="hyperplane", split_size=2)
+
+    def lagging(problem, *, progress, **study):
+        progress(solver.Progress(90.0, 2.0, 0.0, 1))
+        return answering(tree=Leaf(0), objective=2.0, bound=0.0, stop=Stop.NODES)(problem, progress=progress, **study)
+
+    registered("exact", lagging, split="hyperplane")
+    stump = answering(tree=Split(0, 0.5, Leaf(0), Leaf(1)), objective=1.0, bound=-math.inf, stop=Stop.FINISHED)
+    registered("search", stump, proves=False, split="hyperplane")
+    assert solve(asked, "exact", Limits(seconds=100)).objective == 1.0

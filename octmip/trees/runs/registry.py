@@ -270,9 +270,12 @@ enters this table by its line in `octmip.trees.question.losses.NUMBER_LOSSES`.""
 
 
 def pauses(problem: Problem, method: str) -> bool:
-    """Whether a method proves by the exact core of axis-aligned trees, and a search knows all that is asked for."""
+    """Whether a method proves by an exact core that shows its bound, and a search knows all that is asked for."""
     solvers = solvers_of(problem)
-    return solvers[method] in (EXACT, SHAPED, NUMBERS) and solvers["search"].refusal(problem) is None
+    return (
+        solvers[method] in (EXACT, SHAPED, NUMBERS, TWO_FEATURE, DEEP_LINES)
+        and solvers["search"].refusal(problem) is None
+    )
 
 
 def refuse_unknown(problem: Problem, call: str) -> None:

@@ -4,6 +4,7 @@ A proof pauses for a local search where its bound does not keep up with the cloc
 time that the search leaves.
 """
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -14,14 +15,27 @@ from octmip.trees.methods.options import NO_OPTIONS, OPTIONS, ExactOptions, Opti
 from octmip.trees.methods.pruning import fitting
 from octmip.trees.nodes.tree import Node
 from octmip.trees.question.problem import Problem
-from octmip.trees.runs.registry import Run, solvers_of, taker
+from octmip.trees.runs.registry import EXACT, Run, solvers_of, taker
 
+SEARCH_SHARE, FIRST_RESTARTS = 0.2, 4
+"""Of the time before a proof, when it is limited, and so few restarts: after these a proof gains more from the time."""
+AUTO_SHARE = 0.85
+"""Of the time of "auto" where trees are so deep that hardly any proof ends: a search that has ended leaves it more."""
 SOON, LATE = 0.15, 0.8
 """Shares of the time limit after which a proof may pause: of "auto", and of a method that is asked for a proof."""
 RESERVE = 1.0
 """Seconds at the end, or `1 - LATE` of the limit, that are left to a search for which the proof did not pause."""
 LATER = 2**40
 """A bit of the seed: restarts that were made before the proof are not made again."""
+
+
+def search_before_proof(call: "Call") -> tuple[float, int | None]:
+    """Return the share of the time that a search may take before a proof, and its restarts (None: as many as alone)."""
+    if call.problem.shape.depth <= EXACT.alone_to_depth:
+        return SEARCH_SHARE, 1
+    if call.run.method == "auto" and math.isfinite(call.run.limits.seconds):
+        return AUTO_SHARE, None
+    return SEARCH_SHARE, FIRST_RESTARTS
 
 
 def options_for(problem: Problem, method: str, given: Options) -> Options:

@@ -36,7 +36,8 @@ from octmip.trees.nodes.prediction import predict, predict_values
 from octmip.trees.nodes.tree import Node, complexity
 from octmip.trees.question.problem import Problem
 from octmip.trees.runs.registry import Method, Run, chosen_method
-from octmip.trees.solver import FIRST_RESTARTS, SEARCH_SHARE, solve_run
+from octmip.trees.runs.solver_call import FIRST_RESTARTS, SEARCH_SHARE
+from octmip.trees.solver import solve_run
 
 BY_SPLITS = ("oct", "oct_h", "flow")
 MOST_SOLVES = 32
