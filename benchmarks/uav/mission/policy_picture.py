@@ -18,7 +18,7 @@ def picture(rows: Sequence[dict[str, object]]) -> Figure:
         for k, row in enumerate(own):
             steps, lost = row["steps to the goal"], max(LEAST, float(str(row["lost %"])))
             if steps is not None:
-                axis.plot(float(str(steps)), lost, "o", color=f"C{k}")
+                axis.plot(float(str(steps)), lost, "o", color=f"C{k}", markersize=13 - k)  # rings where some agree
             axis.plot([], [], "o", color=f"C{k}", label=str(row["policy"]))
         axis.set_yscale("log")
         axis.set(xlabel="steps to the goal of those that arrive", title=kind, ylim=(LEAST / 1.5, 150.0))

@@ -49,7 +49,7 @@ RULES: Mapping[Rule, Nearness] = {
 """How near the least validation cost the simplest is chosen."""
 DEFAULT_RULE: Rule = "paired"
 N_FOLDS = 5
-DEFAULT_SOLVES = 5
+DEFAULT_SOLVES = 3
 """Of each path of the default choice."""
 PATH_WORK = 5e7
 """Nodes times readings that a solve of a path may take, some tenths of a second: a limit that no other work moves."""
