@@ -23,9 +23,9 @@ from octmip.trees.runs.registry import Method, Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.path import PenaltyPath, trace_impurity, trace_run
 
-PROVEN_CUTS, PROVEN_DEPTH = 5, 4
+PROVEN_DEPTHS, PROVEN_CUTS = (3, 4), 5
 SEARCHED_DEPTH, SEARCHED_CUTS = 8, 10
-CUTS_OF_NUMBERS, DEPTHS_OF_NUMBERS = 10, (3, 4)
+CUTS_OF_NUMBERS = 10
 UNPROVEN_DEPTHS = (1, 2, 3)
 """Of hyperplanes and linear leaves."""
 MOST_BOUND_SECONDS = 10.0
@@ -85,11 +85,10 @@ def default_families(problem: Problem) -> tuple[Family, ...]:
     is_class = problem.loss.predicts == "class"
     is_plain = problem.shape.split == "axis" and problem.shape.leaf_model == "constant"
     quick = SearchOptions(restarts=1, perturbations=0 if is_class else None)
-    if is_plain and not is_class:
-        found = [Family(depth, "exact", CUTS_OF_NUMBERS) for depth in DEPTHS_OF_NUMBERS]
-    elif is_plain:
-        found = [Family(PROVEN_DEPTH, "exact", PROVEN_CUTS)]
-        found += [Family(SEARCHED_DEPTH, "search", SEARCHED_CUTS, quick), Family(MAX_DEPTH, "search", None, quick)]
+    if is_plain:
+        found = [Family(depth, "exact", PROVEN_CUTS if is_class else CUTS_OF_NUMBERS) for depth in PROVEN_DEPTHS]
+        if is_class:
+            found += [Family(SEARCHED_DEPTH, "search", SEARCHED_CUTS, quick), Family(MAX_DEPTH, "search", None, quick)]
     else:
         found = [Family(depth, "search", None, quick) for depth in UNPROVEN_DEPTHS]
     by_impurity = [Family(MAX_DEPTH, "cart", by_impurity=True)] if is_class else []
