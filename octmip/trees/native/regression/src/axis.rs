@@ -13,10 +13,9 @@
 //!   target, so a new sample costs at most its range, its error under the worse of the two.
 
 use crate::clusters::{Histogram, N_BINS, Sums};
-use crate::quantiles::Quantiles;
 use crate::samples::Samples;
+use crate::scan::Scanner;
 use crate::sides::Sides;
-use crate::slopes::Slopes;
 use crate::view::View;
 use octmip_frame::interval::Interval;
 
@@ -118,21 +117,22 @@ impl Axis {
         }
     }
 
-    /// Fill in the least error of one constant on either side of every cut of feature `f`.
+    /// Fill in the least error of one constant on either side of every cut of feature `f`, all samples on the right.
     pub(crate) fn lay_leaves(
         &mut self,
         samples: &Samples,
         view: &View,
         f: usize,
-        sides: &Sides,
-        quantiles: &mut Quantiles,
+        sides: &mut Sides,
+        scanner: &mut Scanner,
     ) {
-        let list = view.list(f);
         self.leaves.resize(self.positions.len(), Pair::default());
-        match samples.slopes {
-            Some(slopes) if slopes.are_even() => self.lay_quantiles::<true>(slopes, samples, list, sides, quantiles),
-            Some(slopes) => self.lay_quantiles::<false>(slopes, samples, list, sides, quantiles),
-            None => self.lay_means(samples, list, view.sums(samples)),
+        if samples.slopes.is_none() {
+            return self.lay_means(samples, view.list(f), view.sums(samples));
+        }
+        let (left, right) = scanner.errors(samples, view, f, sides, 1);
+        for (leaf, &k) in self.leaves.iter_mut().zip(&self.positions) {
+            *leaf = Pair { left: left[k as usize], right: right[k as usize] };
         }
     }
 
@@ -144,35 +144,6 @@ impl Axis {
                 k += 1;
             }
             *leaf = Pair { left: left.squared_error(), right: (total - left).squared_error() };
-        }
-    }
-
-    fn lay_quantiles<const EVEN: bool>(
-        &mut self,
-        slopes: Slopes,
-        samples: &Samples,
-        list: &[u32],
-        sides: &Sides,
-        quantiles: &mut Quantiles,
-    ) {
-        let weight = |k: usize| samples.sums[list[k] as usize].weight;
-        let target = |k: usize| sides.target_of[list[k] as usize];
-        quantiles.load::<EVEN>(slopes, &sides.targets[1], &sides.values);
-        let mut k = 0;
-        for (cut, leaf) in self.leaves.iter_mut().enumerate() {
-            while k < self.positions[cut] as usize {
-                quantiles.remove::<EVEN>(target(k), weight(k), &sides.values);
-                k += 1;
-            }
-            leaf.right = quantiles.cost::<EVEN>(&sides.values);
-        }
-        quantiles.load::<EVEN>(slopes, &sides.targets[1], &sides.values);
-        for (cut, leaf) in self.leaves.iter_mut().enumerate().rev() {
-            while k > self.positions[cut] as usize {
-                k -= 1;
-                quantiles.remove::<EVEN>(target(k), weight(k), &sides.values);
-            }
-            leaf.left = quantiles.cost::<EVEN>(&sides.values);
         }
     }
 
@@ -226,16 +197,21 @@ impl Axis {
 
     /// Lower bounds of both children of cut `k`, and those for leaves of any size, from the solved cuts around it.
     pub(crate) fn bounds(&self, samples: &Samples, interval: &Interval, k: usize) -> [Pair; 2] {
-        let Interval { a, b, .. } = *interval;
-        let relaxed = Pair {
-            left: self.relaxed[a].left + self.clusters(samples, a, k, 1),
-            right: self.relaxed[b].right + self.clusters(samples, k, b, 1),
-        };
-        let by_range = Pair {
-            left: self.solved[b].left - (self.ranges[b] - self.ranges[k]),
-            right: self.solved[a].right - (self.ranges[k] - self.ranges[a]),
-        };
-        [Pair { left: relaxed.left.max(by_range.left), right: relaxed.right.max(by_range.right) }, relaxed]
+        let [left, left_relaxed] = self.left_bound(samples, interval, k);
+        let [right, right_relaxed] = self.right_bound(samples, interval, k);
+        [Pair { left, right }, Pair { left: left_relaxed, right: right_relaxed }]
+    }
+
+    /// The same of the left child.
+    fn left_bound(&self, samples: &Samples, &Interval { a, b, .. }: &Interval, k: usize) -> [f64; 2] {
+        let relaxed = self.relaxed[a].left + self.clusters(samples, a, k, 1);
+        [relaxed.max(self.solved[b].left - (self.ranges[b] - self.ranges[k])), relaxed]
+    }
+
+    /// The same of the right child.
+    fn right_bound(&self, samples: &Samples, &Interval { a, b, .. }: &Interval, k: usize) -> [f64; 2] {
+        let relaxed = self.relaxed[b].right + self.clusters(samples, k, b, 1);
+        [relaxed.max(self.solved[a].right - (self.ranges[k] - self.ranges[a])), relaxed]
     }
 
     /// Lower bounds at cut `k` of what is bounded like children, one for each entry at the ends of the interval.
@@ -260,10 +236,8 @@ impl Axis {
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
     pub(crate) fn pick(&self, samples: &Samples, interval: &Interval, target: f64) -> Option<usize> {
         let middle = interval.low + (interval.high - interval.low) / 2;
-        let bounds = |k: usize| self.bounds(samples, interval, k)[0];
         interval.nearest(middle, target, |first, last| {
-            let left = bounds(first);
-            left.left + if first == last { left.right } else { bounds(last).right }
+            self.left_bound(samples, interval, first)[0] + self.right_bound(samples, interval, last)[0]
         })
     }
 

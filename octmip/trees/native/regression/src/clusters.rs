@@ -111,16 +111,17 @@ impl Bins {
         if let Some(slopes) = slopes.filter(|_| self.is_single) {
             return self.few_targets(slopes, histogram, c);
         }
+        let runs = Runs::of(self, histogram, slopes);
         // Of one cluster: nothing is left out.
         let mut best = [f64::INFINITY; N_BINS + 1];
         best[0] = 0.0;
-        self.extend(&mut best, histogram, 0.0, 0, slopes);
+        runs.extend(&mut best, 0.0, 0);
         for _ in 2..c {
             let mut next = best;
             for from in 1..=n_bins {
                 let start = self.start(&best, from);
                 next[from] = next[from].min(start);
-                self.extend(&mut next, histogram, start, from, slopes);
+                runs.extend(&mut next, start, from);
             }
             best = next;
         }
@@ -129,41 +130,8 @@ impl Bins {
         }
         // The last cluster ends with the last bin, or inside it.
         let mut least = self.start(&best, n_bins);
-        let mut sums = Sums::default();
-        for from in (1..n_bins).rev() {
-            sums += histogram[from];
-            let cost = self.run(slopes, &sums, histogram, from, n_bins - 1);
-            least = least.min(self.start(&best, from) + cost);
-        }
+        runs.to_the_end(|from, cost| least = least.min(self.start(&best, from) + cost));
         least
-    }
-
-    /// Lower `next` by the runs from a bin on that begin at a cost of `start`.
-    #[inline(always)]
-    fn extend(
-        &self,
-        next: &mut [f64; N_BINS + 1],
-        histogram: &Histogram,
-        start: f64,
-        from: usize,
-        slopes: Option<Slopes>,
-    ) {
-        let mut sums = Sums::default();
-        for to in from..self.ends.len() {
-            sums += histogram[to];
-            let cost = self.run(slopes, &sums, histogram, from, to);
-            next[to + 1] = next[to + 1].min(start + cost);
-        }
-    }
-
-    /// Lower bound of the error of one constant for the bins `from..=to`, which sum to `sums`.
-    #[inline(always)]
-    fn run(&self, slopes: Option<Slopes>, sums: &Sums, histogram: &Histogram, from: usize, to: usize) -> f64 {
-        match slopes {
-            Some(slopes) if slopes.are_even() => self.sloped::<true>(slopes, histogram, from, to),
-            Some(slopes) => self.sloped::<false>(slopes, histogram, from, to),
-            None => sums.squared_error(),
-        }
     }
 
     /// The same where each bin is one target: the least sloped error of `c` constants.
@@ -198,32 +166,84 @@ impl Bins {
         let is_parted = from > 0 && self.ends[from - 1].0 < self.ends[from - 1].1;
         if is_parted { best[from].min(best[from - 1]) } else { best[from] }
     }
+}
 
-    /// Lower bound of the sloped error of one constant for the bins `from..=to`.
-    ///
-    /// The weighted quantile lies in the bin where its share of the weight is reached. Bins below and above cost what
-    /// their sums say, and its own at least the error of its sum; all this is convex in the constant, with its one bend
-    /// at the mean of that bin.
-    fn sloped<const EVEN: bool>(&self, slopes: Slopes, histogram: &Histogram, from: usize, to: usize) -> f64 {
-        let slopes = slopes.known::<EVEN>();
-        let total = histogram[from..=to].iter().fold(Sums::default(), |mut sum, bin| {
-            sum += *bin;
-            sum
-        });
-        let mut below = Sums::default();
-        let mut middle = from;
-        while middle < to && !slopes.is_reached(below.weight + histogram[middle].weight, total.weight) {
-            below += histogram[middle];
-            middle += 1;
+/// Lower bounds of the error of one constant for runs of bins.
+struct Runs<'a> {
+    bins: &'a Bins,
+    histogram: &'a Histogram,
+    slopes: Option<Slopes>,
+    /// What the bins before each one sum to; of sloped errors.
+    before: Histogram,
+}
+
+impl<'a> Runs<'a> {
+    #[inline(always)]
+    fn of(bins: &'a Bins, histogram: &'a Histogram, slopes: Option<Slopes>) -> Self {
+        let mut sum = Sums::default();
+        let mut before = |bin: usize| {
+            let before = sum;
+            sum += histogram[bin];
+            before
+        };
+        let before = if slopes.is_some() { std::array::from_fn(&mut before) } else { [sum; N_BINS] };
+        Self { bins, histogram, slopes, before }
+    }
+
+    /// Lower `next` by the runs from a bin on that begin at a cost of `start`.
+    #[inline(always)]
+    fn extend(&self, next: &mut [f64; N_BINS + 1], start: f64, from: usize) {
+        let (mut sums, mut middle) = (Sums::default(), from);
+        for to in from..self.bins.ends.len() {
+            sums += self.histogram[to];
+            let cost = match self.slopes {
+                Some(slopes) => self.sloped(slopes, (from, to), sums, &mut middle),
+                None => sums.squared_error(),
+            };
+            next[to + 1] = next[to + 1].min(start + cost);
         }
-        let own = histogram[middle];
-        let above_weight = total.weight - below.weight - own.weight;
-        let above_target = total.target - below.target - own.target;
+    }
+
+    /// Show each run but the longest that ends with the last bin: its first bin and its bound.
+    #[inline(always)]
+    fn to_the_end(&self, mut show: impl FnMut(usize, f64)) {
+        let n = self.bins.ends.len();
+        let Some(slopes) = self.slopes else {
+            let mut sums = Sums::default();
+            for from in (1..n).rev() {
+                sums += self.histogram[from];
+                show(from, sums.squared_error());
+            }
+            return;
+        };
+        let (end, mut middle) = (self.before[n - 1], 1);
+        for from in 1..n {
+            let mut total = end - self.before[from];
+            total += self.histogram[n - 1];
+            middle = middle.max(from);
+            show(from, self.sloped(slopes, (from, n - 1), total, &mut middle));
+        }
+    }
+
+    /// Lower bound of the sloped error of one constant for the bins `from..=to`, which sum to `total`.
+    ///
+    /// The weighted quantile lies in the bin where its share of the weight is reached: `middle` or a later one, as it
+    /// goes up with either end of a run. Bins below and above cost what their sums say, and its own at least the error
+    /// of its sum; all this is convex in the constant, with its one bend at the mean of that bin.
+    #[inline(always)]
+    fn sloped(&self, slopes: Slopes, (from, to): (usize, usize), total: Sums, middle: &mut usize) -> f64 {
+        let start = self.before[from];
+        let weight_to = |bin: usize| self.before[bin].weight + self.histogram[bin].weight - start.weight;
+        while *middle < to && !slopes.is_reached(weight_to(*middle), total.weight) {
+            *middle += 1;
+        }
+        let (below, own) = (self.before[*middle] - start, self.histogram[*middle]);
+        let above = total - below - own;
         let cost = |m: f64| {
             let miss = own.target - m * own.weight;
-            slopes.cost(m * below.weight - below.target, above_target - m * above_weight) + slopes.most(-miss, miss)
+            slopes.cost(m * below.weight - below.target, above.target - m * above.weight) + slopes.most(-miss, miss)
         };
-        let (low, high) = self.ends[middle];
+        let (low, high) = self.bins.ends[*middle];
         let mean = if own.weight > 0.0 { (own.target / own.weight).clamp(low, high) } else { low };
         cost(low).min(cost(high)).min(cost(mean)).max(0.0)
     }

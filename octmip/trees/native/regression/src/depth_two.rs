@@ -6,7 +6,6 @@
 
 use crate::axis::{Axis, Pair};
 use crate::buckets::Buckets;
-use crate::quantiles::Quantiles;
 use crate::result::NodeResult;
 use crate::samples::Samples;
 use crate::scan::Scanner;
@@ -27,7 +26,6 @@ pub(crate) struct TwoLevels<'a> {
     scanner: Scanner,
     /// Where they serve; else every scan is one of samples, and so it is where they give bounds alone.
     buckets: Option<Buckets>,
-    quantiles: Quantiles,
     axis: Axis,
     /// Lower bounds of each feature's least relaxed error on both sides, evaluation after evaluation.
     kept: Vec<Pair>,
@@ -45,7 +43,6 @@ impl<'a> TwoLevels<'a> {
             sides: Sides::new(samples.n),
             scanner: Scanner::default(),
             buckets: Buckets::new(samples),
-            quantiles: Quantiles::default(),
             axis: Axis::default(),
             kept: Vec::new(),
             now: Vec::new(),
@@ -75,7 +72,7 @@ impl TwoLevels<'_> {
         let samples = self.samples;
         let penalty = samples.penalty;
         let leaf = view.leaf(samples);
-        self.sides.load(samples, view);
+        self.sides.rewind(samples, view);
         let (stump, whole) = self.whole(view, leaf);
         self.control.add(1);
         let mut best = NodeResult::cheapest(stump.cost, self.stump_tree(view, 1, &stump), upper);
@@ -127,7 +124,7 @@ impl TwoLevels<'_> {
     fn stump_tree(&mut self, view: &View, side: usize, stump: &Stump) -> Tree {
         let Some(g) = stump.feature else { return Tree::leaf(0) };
         let needs = [side == 0, side == 1];
-        let found = self.scanner.scan(self.samples, view, g, &self.sides, needs)[side];
+        let found = self.scanner.scan(self.samples, view, g, &mut self.sides, needs)[side];
         if found.error.is_infinite() {
             return Tree::leaf(0); // rounding alone made it cheaper than the leaf
         }
@@ -211,13 +208,13 @@ impl TwoLevels<'_> {
     }
 
     fn begin_feature(&mut self, view: &View, f: usize, axis: &mut Axis, whole: &[f64]) {
-        let Self { sides, quantiles, kept, buckets, .. } = self;
+        let Self { sides, scanner, kept, buckets, .. } = self;
         sides.rewind(self.samples, view);
         if let Some(buckets) = buckets {
             buckets.rewind(self.samples, view);
         }
         if !buckets.as_ref().is_some_and(|buckets| buckets.is_exact) {
-            axis.lay_leaves(self.samples, view, f, sides, quantiles);
+            axis.lay_leaves(self.samples, view, f, sides, scanner);
         }
         kept.clear();
         kept.extend(whole.iter().map(|&right| Pair { left: 0.0, right }));

@@ -3,7 +3,7 @@
 //! ```text
 //! samples, view      the problem as it is counted, and the samples of one node
 //! clusters           the least error of few constants for many targets: what no tree of so many leaves avoids
-//! slopes, quantiles  sloped errors, and that of a set of targets from which one after the other is taken
+//! slopes, quantiles  sloped errors, and those of one constant on both sides of every cut of a feature
 //! scan               the best cut of one feature left and right of a cut of another, by samples
 //! buckets            the same of all features at once by buckets: vector passes in `sweep`, walks in `inside`
 //! sides, depth_two   the two sides of a moving cut, and the best tree of at most two levels

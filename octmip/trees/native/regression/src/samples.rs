@@ -84,6 +84,8 @@ pub(crate) struct Samples {
     pub(crate) gaps: [f64; MOST_VALUES],
     /// Weight, weighted target and weighted square of each sample (`n`).
     pub(crate) sums: Vec<Sums>,
+    /// Of every sample, where all are equal.
+    pub(crate) weight: Option<f64>,
     /// What a square may lie above the true one.
     grain: f64,
     /// Power of two of which cost ranges are multiples, so that no sum of them is rounded.
@@ -134,6 +136,7 @@ impl Samples {
             values,
             gaps,
             sums,
+            weight: question.weights.first().copied().filter(|own| question.weights.iter().all(|w| w == own)),
             grain: question.grain,
             range_grid,
             bins,

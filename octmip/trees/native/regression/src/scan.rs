@@ -3,7 +3,6 @@
 use crate::quantiles::Quantiles;
 use crate::samples::Samples;
 use crate::sides::Sides;
-use crate::slopes::Slopes;
 use crate::view::View;
 
 /// The best cut of a feature for one set of samples, prices of splits left out.
@@ -20,17 +19,16 @@ pub(crate) struct BestCut {
 /// Buffers of scans.
 #[derive(Debug, Default)]
 pub(crate) struct Scanner {
-    lists: [Vec<Item>; 2],
+    /// The samples of a side in the order of the feature.
+    items: Vec<Item>,
     quantiles: Quantiles,
-    left: Vec<f64>,
 }
 
-/// One sample of a side: target, rank of the feature, weight.
+/// One sample of a side: its place in the order of the targets, its rank of the feature.
 #[derive(Debug, Clone, Copy)]
 struct Item {
-    target: u32,
+    place: u32,
     rank: u32,
-    weight: f64,
 }
 
 impl Scanner {
@@ -40,64 +38,59 @@ impl Scanner {
         samples: &Samples,
         view: &View,
         g: usize,
-        sides: &Sides,
+        sides: &mut Sides,
         needs: [bool; 2],
     ) -> [BestCut; 2] {
-        match samples.slopes {
-            Some(slopes) if slopes.are_even() => self.sloped::<true>(slopes, (samples, view), g, sides, needs),
-            Some(slopes) => self.sloped::<false>(slopes, (samples, view), g, sides, needs),
-            None => squared(samples, view, g, sides),
-        }
-    }
-
-    fn sloped<const EVEN: bool>(
-        &mut self,
-        slopes: Slopes,
-        (samples, view): (&Samples, &View),
-        g: usize,
-        sides: &Sides,
-        needs: [bool; 2],
-    ) -> [BestCut; 2] {
-        let ranks = samples.ranks_of(g);
-        self.lists.iter_mut().for_each(Vec::clear);
-        for &i in view.list(g) {
-            let i = i as usize;
-            let item = Item { target: sides.target_of[i], rank: ranks[i], weight: samples.sums[i].weight };
-            self.lists[sides.of_sample[i] as usize].push(item);
+        if samples.slopes.is_none() {
+            return squared(samples, view, g, sides);
         }
         let nothing = BestCut { relaxed: 0.0, error: f64::INFINITY, rank: 0 };
-        let leaf_size = samples.leaf_size;
-        std::array::from_fn(|m| if needs[m] { self.sloped_side::<EVEN>(slopes, m, sides, leaf_size) } else { nothing })
+        std::array::from_fn(|m| if needs[m] { self.sloped(samples, view, g, sides, m) } else { nothing })
     }
 
-    fn sloped_side<const EVEN: bool>(
+    /// Least errors of one constant left and right of each cut of feature `g`, for the samples of one side.
+    pub(crate) fn errors(
         &mut self,
-        slopes: Slopes,
+        samples: &Samples,
+        view: &View,
+        g: usize,
+        sides: &mut Sides,
         side: usize,
-        sides: &Sides,
-        leaf_size: usize,
-    ) -> BestCut {
-        let Self { lists, quantiles, left } = self;
-        let (list, values) = (&lists[side], &sides.values);
-        quantiles.load::<EVEN>(slopes, &sides.targets[side], values);
-        let mut best = BestCut { relaxed: quantiles.cost::<EVEN>(values), error: f64::INFINITY, rank: 0 };
-        left.clear();
-        left.resize(list.len() + 1, 0.0);
-        for (k, item) in list.iter().enumerate().rev() {
-            quantiles.remove::<EVEN>(item.target, item.weight, values);
-            left[k] = quantiles.cost::<EVEN>(values);
+    ) -> (&[f64], &[f64]) {
+        sides.rank(samples, view);
+        let (ranks, list) = (samples.ranks_of(g), view.list(g));
+        self.items.resize(list.len(), Item { place: 0, rank: 0 });
+        let mut n = 0;
+        for &i in list {
+            let key = sides.keys[i as usize];
+            self.items[n] = Item { place: key / 2, rank: ranks[i as usize] };
+            n += usize::from(key as usize % 2 == side); // those of the other side are written over
         }
-        quantiles.load::<EVEN>(slopes, &sides.targets[side], values);
-        for (k, item) in list.iter().enumerate() {
-            let k = k + 1;
-            quantiles.remove::<EVEN>(item.target, item.weight, values);
-            if k == list.len() || list[k].rank == item.rank {
+        self.items.truncate(n);
+        let places = self.items.iter().map(|item| item.place);
+        let slopes = samples.slopes.unwrap_or_default();
+        let quantiles = &mut self.quantiles;
+        if slopes.are_even() {
+            quantiles.fill::<true>(slopes, samples.weight, &sides.ranked[side], places);
+        } else {
+            quantiles.fill::<false>(slopes, samples.weight, &sides.ranked[side], places);
+        }
+        (&quantiles.left, &quantiles.right)
+    }
+
+    fn sloped(&mut self, samples: &Samples, view: &View, g: usize, sides: &mut Sides, side: usize) -> BestCut {
+        self.errors(samples, view, g, sides, side);
+        let (items, n) = (&self.items[..], self.items.len());
+        let (left, right) = (&self.quantiles.left[..n + 1], &self.quantiles.right[..n + 1]);
+        let mut best = BestCut { relaxed: right[0], error: f64::INFINITY, rank: 0 };
+        for k in 1..n {
+            let error = left[k] + right[k];
+            if error >= best.error || items[k - 1].rank == items[k].rank {
                 continue;
             }
-            let error = left[k] + quantiles.cost::<EVEN>(values);
             best.relaxed = best.relaxed.min(error);
-            if error < best.error && k >= leaf_size && list.len() - k >= leaf_size {
-                (best.error, best.rank) = (error, item.rank);
+            if k >= samples.leaf_size && n - k >= samples.leaf_size {
+                (best.error, best.rank) = (error, items[k - 1].rank);
             }
         }
         best

@@ -1,7 +1,7 @@
 //! The two sides of a moving cut, as the scans of other features read them.
 
 use crate::clusters::Sums;
-use crate::quantiles::Targets;
+use crate::quantiles::Ranked;
 use crate::samples::Samples;
 use crate::view::View;
 
@@ -14,50 +14,42 @@ pub(crate) struct Sides {
     pub(crate) sums: [Sums; 2],
     /// Samples of both sides.
     pub(crate) counts: [usize; 2],
-    /// Targets of both sides, as indices of `values`; of sloped errors only.
-    pub(crate) targets: [Targets; 2],
-    /// Index of each sample's target in `values`, by sample id.
-    pub(crate) target_of: Vec<u32>,
-    /// The node's distinct targets, ascending.
-    pub(crate) values: Vec<f64>,
+    /// Samples of both sides in the order of their targets, of sloped errors: of the cut where `is_ranked`.
+    pub(crate) ranked: [Ranked; 2],
+    /// Twice the place of each sample there, and its side; by sample id.
+    pub(crate) keys: Vec<u32>,
+    is_ranked: bool,
 }
 
 impl Sides {
     /// Room for so many samples.
     pub(crate) fn new(n: usize) -> Self {
-        Self { of_sample: vec![1; n], target_of: vec![0; n], ..Self::default() }
+        Self { of_sample: vec![1; n], keys: vec![0; n], ..Self::default() }
     }
 
-    /// Take up a node, all samples on the right.
-    pub(crate) fn load(&mut self, samples: &Samples, view: &View) {
-        if samples.slopes.is_some() {
-            self.values.clear();
-            for &i in view.list(samples.p) {
-                let target = samples.targets[i as usize];
-                if self.values.last() != Some(&target) {
-                    self.values.push(target);
-                }
-                self.target_of[i as usize] = self.values.len() as u32 - 1;
-            }
-        }
-        self.rewind(samples, view);
-    }
-
-    /// All samples on the right again.
+    /// Take up a node, or come back to its beginning: all samples on the right.
     pub(crate) fn rewind(&mut self, samples: &Samples, view: &View) {
+        self.is_ranked = false;
         self.sums = [Sums::default(), view.sums(samples)];
         self.counts = [0, view.len];
         for &i in view.list(samples.p) {
             self.of_sample[i as usize] = 1;
         }
-        if samples.slopes.is_some() {
-            for side in &mut self.targets {
-                side.clear(self.values.len());
-            }
-            for &i in view.list(samples.p) {
-                self.targets[1].add(self.target_of[i as usize], samples.sums[i as usize].weight);
-            }
+    }
+
+    /// Put the samples of both sides in the order of their targets.
+    pub(crate) fn rank(&mut self, samples: &Samples, view: &View) {
+        if std::mem::replace(&mut self.is_ranked, true) {
+            return;
         }
+        self.ranked.iter_mut().for_each(Ranked::clear);
+        for &i in view.list(samples.p) {
+            let i = i as usize;
+            let side = self.of_sample[i];
+            let place = self.ranked[usize::from(side)].push(samples.targets[i], samples.sums[i].weight);
+            self.keys[i] = 2 * place + u32::from(side);
+        }
+        self.ranked.iter_mut().for_each(Ranked::end);
     }
 
     /// Bring the cut of feature `f` to so many samples on the left; `passed` is called for each that changes sides.
@@ -69,6 +61,7 @@ impl Sides {
         k: usize,
         mut passed: impl FnMut(u32, usize),
     ) {
+        self.is_ranked &= self.counts[0] == k;
         let list = view.list(f);
         while self.counts[0] != k {
             let (place, to) = if self.counts[0] < k { (self.counts[0], 0) } else { (self.counts[0] - 1, 1) };
@@ -88,10 +81,5 @@ impl Sides {
         self.sums[1 - to] = self.sums[1 - to] - own;
         self.counts[to] += 1;
         self.counts[1 - to] -= 1;
-        if samples.slopes.is_some() {
-            let target = self.target_of[i as usize];
-            self.targets[to].add(target, own.weight);
-            self.targets[1 - to].remove(target, own.weight);
-        }
     }
 }
