@@ -11,7 +11,7 @@ What the campaign is asked for are changes from there.
 Source: Tarantola (2005), "Inverse Problem Theory", section 3.4.4; Broyden (1965), Math. Comp. 19.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import TwinError
 from octmip.gap.campaign.campaign import Campaign
-from octmip.gap.doors.card import INSIDE
+from octmip.gap.doors.card import INSIDE, Range
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.twins import CachedTwin
 
@@ -98,94 +98,65 @@ def built_by(run: Campaign, cached: CachedTwin, share: float) -> Built | None:
     """
     twin = cached.twin
     assert isinstance(twin, FunctionTwin)
-    ranges = twin.constants
-    if not ranges or run.load_names != twin.loads or not all(cell.is_known for cell in run.cells):
+    if not twin.constants or run.load_names != twin.loads or not all(cell.is_known for cell in run.cells):
         return None
-    read = _Read.of(run, cached, twin, share)
-    here = read.asked({})
-    rows = read.rows_near(here)
-    return _fitted(read, here, rows) if len(rows) else None
+    known = [k for k, name in enumerate(run.gauges) if name in cached.gauges]
+    order = [cached.gauges.index(run.gauges[k]) for k in known]
+    settings = [(dict(zip(run.parameters, cell.state.tolist(), strict=True)), cell.load) for cell in run.cells]
+
+    def asked(values: Mapping[str, float]) -> Floats:
+        return np.array([cached.checked(partial(twin.ask, *at, values), *at) for at in settings])[:, order]
+
+    mean, count = (np.array([getattr(cell, what) for cell in run.cells])[:, known] for what in ("mean", "count"))
+    spreads, seen, drawn = run.spreads()[:, known], count > 0, asked({})
+    squares = np.sum(np.nan_to_num(spreads) ** 2, axis=0) / np.maximum(np.isfinite(spreads).sum(axis=0), 1)
+    rows = seen & (_rms(mean - drawn, seen) < FAR * _rms(drawn, seen))  # of gauges that read about what is drawn
+    if not rows.any():
+        return None
+    variance, size = (squares / np.maximum(count, 1))[rows], np.broadcast_to(_rms(drawn, seen), rows.shape)[rows]
+    weight = (variance + (MODEL * size) ** 2) ** -0.5
+    values, here = _fitted(twin.constants, share, lambda values: asked(values)[rows], mean[rows], weight)
+    left = np.maximum(0.0, (mean[rows] - here) ** 2 - variance) / size**2
+    return Built(values, float(np.clip(PER_MISFIT * np.sqrt(left.mean()), *ERRORS)))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Read:
-    """The means of a run, beside a model with constants that vary.
+def _rms(values: Floats, seen: NDArray[np.bool_]) -> Floats:
+    """Return the rms (n_gauges,) of what was seen of each gauge's values (n_cells, n_gauges)."""
+    squares = np.where(seen, values, 0.0) ** 2
+    return np.asarray(np.sqrt(squares.sum(axis=0) / np.maximum(seen.sum(axis=0), 1)))
 
-    Attributes
+
+def _fitted(
+    ranges: Mapping[str, Range],
+    share: float,
+    asked: Callable[[Mapping[str, float]], Floats],
+    measured: Floats,
+    weight: Floats,
+) -> tuple[dict[str, float], Floats]:
+    """Return the most probable constants, but those at whose other values the model fails, and its answers there (n,).
+
+    Parameters
     ----------
-    run, cached, twin
-        of the asset, and the model as it is checked and as it is asked.
-    seen
-        (n_cells, n_gauges) whether the run has a mean.
-    mean, variance
-        (n,) of those, and of their noise.
-    order
-        place of each of the run's gauges among the model's.
-    nominal, spread
-        (n_constants,) values of the drawing, and their sd.
+    ranges, share
+        of the constants, by name, and their prior sd over the drawing's value.
+    asked
+        constants that are not the drawing's -> answers (n,).
+    measured, weight
+        (n,) means, and 1 over the sd by which answers may be off.
     """
-
-    run: Campaign
-    cached: CachedTwin
-    twin: FunctionTwin
-    seen: NDArray[np.bool_]
-    mean: Floats
-    variance: Floats
-    order: tuple[int, ...]
-    nominal: Floats
-    spread: Floats
-
-    @classmethod
-    def of(cls, run: Campaign, cached: CachedTwin, twin: FunctionTwin, share: float) -> "_Read":
-        """Return those of the gauges that the model knows."""
-        known = [k for k, name in enumerate(run.gauges) if name in cached.gauges]
-        order = tuple(cached.gauges.index(run.gauges[k]) for k in known)
-        mean, count = (np.array([getattr(cell, what) for cell in run.cells])[:, known] for what in ("mean", "count"))
-        spreads = run.spreads()[:, known]
-        squares = np.sum(np.nan_to_num(spreads) ** 2, axis=0) / np.maximum(np.isfinite(spreads).sum(axis=0), 1)
-        seen = count > 0
-        nominal = np.array([own.nominal for own in twin.constants.values()])
-        variance = (squares / np.maximum(count, 1))[seen]
-        return cls(run, cached, twin, seen, mean[seen], variance, order, nominal, share * np.abs(nominal))
-
-    def values(self, shares: Floats) -> dict[str, float]:
-        """Return the constants by name, given how many sd (n_constants,) each is off the drawing."""
-        return dict(zip(self.twin.constants, (self.nominal + self.spread * shares).tolist(), strict=True))
-
-    def asked(self, values: Mapping[str, float]) -> Floats:
-        """Return what the model with some constants at other values reads where the run has a mean (n,)."""
-        run = self.run
-        settings = [(dict(zip(run.parameters, cell.state.tolist(), strict=True)), cell.load) for cell in run.cells]
-        answers = np.array([self.cached.checked(partial(self.twin.ask, *at, values), *at) for at in settings])
-        return np.asarray(answers[:, list(self.order)][self.seen])
-
-    def rms(self, values: Floats) -> Floats:
-        """Return the rms (n,) of the gauge of each of some values (n,)."""
-        squares = np.zeros(self.seen.shape)
-        squares[self.seen] = values**2
-        mean = squares.sum(axis=0) / np.maximum(self.seen.sum(axis=0), 1)
-        return np.asarray(np.sqrt(np.broadcast_to(mean, self.seen.shape)[self.seen]))
-
-    def rows_near(self, here: Floats) -> NDArray[np.int64]:
-        """Return the rows of gauges that read about what the model of the drawing says (n,)."""
-        return np.flatnonzero(self.rms(self.mean - here) < FAR * self.rms(here))
-
-
-def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
-    """Return the most probable constants by some rows, from what the drawing's read (n,)."""
-    ends = np.array([(own.low, own.high) for own in read.twin.constants.values()])
+    own = np.array([(one.nominal, one.low, one.high) for one in ranges.values()])
+    nominal, ends = own[:, 0], own[:, 1:]
+    spread = share * np.abs(nominal)
     inside = ends + INSIDE * np.ptp(ends, axis=1)[:, None] * np.array([1.0, -1.0])
-    least, most = ((inside - read.nominal[:, None]) / read.spread[:, None]).T
-    size, measured, here = read.rms(here)[rows], read.mean[rows], here[rows]
-    weight = (read.variance[rows] + (MODEL * size) ** 2) ** -0.5
-    slopes, told = np.zeros((len(rows), len(ends))), np.ones(len(ends), dtype=bool)
-    for k, (name, own) in enumerate(read.twin.constants.items()):
-        value, share = own.ahead(read.spread[k])
+    least, most = ((inside - nominal[:, None]) / spread[:, None]).T
+    here, at, told = asked({}), np.zeros(len(own)), list(ranges)
+    slopes = np.zeros((len(here), len(own)))
+    for k, (name, one) in enumerate(ranges.items()):
+        value, step = one.ahead(spread[k])
         try:
-            slopes[:, k] = (read.asked({name: value})[rows] - here) / share
-        except TwinError:  # a constant at whose other values the model fails stays as drawn
-            told[k] = False
-    at = np.zeros(len(ends))
+            slopes[:, k] = (asked({name: value}) - here) / step
+        except TwinError:  # it stays as drawn
+            told.remove(name)
     for _ in range(STEPS):
         white, left = slopes * weight[:, None], (measured - here + slopes @ at) * weight
         moved = np.clip(np.linalg.solve(white.T @ white + np.eye(len(at)), white.T @ left), least, most)
@@ -193,12 +164,10 @@ def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
         if np.abs(step).max() < CLOSE:
             break
         try:
-            there = read.asked(read.values(moved))[rows]
+            there = asked(dict(zip(ranges, (nominal + spread * moved).tolist(), strict=True)))
         except TwinError:
             break
         slopes = slopes + np.outer(there - here - slopes @ step, step) / (step @ step)
         at, here = moved, there
-    left = (measured - here) ** 2 - read.variance[rows]
-    error = float(np.clip(PER_MISFIT * np.sqrt((np.maximum(0.0, left) / size**2).mean()), *ERRORS))
-    values = {name: value for (name, value), has in zip(read.values(at).items(), told, strict=True) if has}
-    return Built(values, error)
+    values = dict(zip(ranges, (nominal + spread * at).tolist(), strict=True))
+    return {name: values[name] for name in told}, here
