@@ -14,7 +14,7 @@ other than the twin's would: reach * |P_sim(left) - P_real(left)|.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -114,51 +114,30 @@ class Flip:
     share: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Means:
-    """The mean readings of all cells, the halves of each taken together, beside what the twin predicts.
-
-    Attributes
-    ----------
-    residual, covariance
-        (n_means,) in the gauges' units and (n_means, n_means) without a gap.
-    share
-        (n_means,) of the whole squared gap, noise taken off.
-    units, scale
-        (n_means,) unit of each, and what it is divided by where several units are taken together.
-    """
-
-    residual: Floats
-    covariance: Floats
-    share: Floats
-    units: tuple[str, ...]
-    scale: Floats
-
-    def place(self, name: str, rows: NDArray[np.int64]) -> Place:
-        """Return some of the means as a place that is not significant yet."""
-        residual = self.residual[rows]
-        squared = float(residual @ np.linalg.solve(self.covariance[np.ix_(rows, rows)], residual))
-        p_value, z = float(chi2.sf(squared, len(rows))), float(np.sqrt(squared / len(rows)))
-        units = {self.units[k] for k in rows.tolist()}
-        gap, unit = (residual, units.pop()) if len(units) == 1 else (residual / self.scale[rows], MIXED)
-        return Place(name, z, p_value, False, float(self.share[rows].sum()), float(gap.mean()), unit)
-
-
 def localise(model: LinearModel, nodes: tuple[Flip, ...]) -> Where:
     """Return where readings and twin differ about a model's states."""
     (cell, gauge), mix = whole_means(model)
-    scale, units = model.inputs.scale[gauge], tuple(model.inputs.units[g] for g in gauge)
-    residual, noise = mix @ model.residual, np.einsum("ij,jk,ik->i", mix, model.scatter, mix)
-    excess = (residual**2 - noise) / scale**2
+    scale, units = model.inputs.scale[gauge], np.array(model.inputs.units)[gauge]
+    residual, covariance = mix @ model.residual, mix @ model.covariance @ mix.T
+    excess = (residual**2 - np.einsum("ij,jk,ik->i", mix, model.scatter, mix)) / scale**2
     share = excess / max(float(excess.sum()), 1e-12)
-    means = _Means(residual, mix @ model.covariance @ mix.T, share, units, scale)
+
+    def place(name: str, rows: NDArray[np.int64]) -> Place:
+        own = residual[rows]
+        squared = float(own @ np.linalg.solve(covariance[np.ix_(rows, rows)], own))
+        p_value, z = float(chi2.sf(squared, len(rows))), float(np.sqrt(squared / len(rows)))
+        unit = str(units[rows[0]]) if (units[rows] == units[rows[0]]).all() else MIXED
+        gap = own / scale[rows] if unit == MIXED else own
+        return Place(name, z, p_value, False, float(share[rows].sum()), float(gap.mean()), unit)
+
     cells = [model.inputs.campaign.cells[c] for c in cell]
     gauges = [model.inputs.campaign.gauges[g] for g in gauge]
+    entries = [place(f"{g}, {c.name}", np.array([k])) for k, (g, c) in enumerate(zip(gauges, cells, strict=True))]
     return Where(
-        entries=_entries(means, [f"{g}, {c.name}" for g, c in zip(gauges, cells, strict=True)]),
-        gauges=_groups(means, gauges),
-        loads=_groups(means, [c.load_words for c in cells]),
-        tests=_groups(means, [c.test for c in cells]),
+        entries=_entries(entries),
+        gauges=_groups(place, gauges),
+        loads=_groups(place, [c.load_words for c in cells]),
+        tests=_groups(place, [c.test for c in cells]),
         nodes=nodes,
         rms=float(np.sqrt(max(0.0, float(excess.mean())))),
         unit=model.inputs.unit,
@@ -175,21 +154,20 @@ def whole_means(model: LinearModel) -> tuple[NDArray[np.int64], Floats]:
     return places, mix / mix.sum(axis=1, keepdims=True)
 
 
-def _entries(means: _Means, names: Sequence[str]) -> tuple[Place, ...]:
-    """Return every mean reading as a place, the least probable without a gap first."""
-    found = [means.place(name, np.array([k])) for k, name in enumerate(names)]
+def _entries(found: Sequence[Place]) -> tuple[Place, ...]:
+    """Return every mean reading as a place with its significance, the least probable without a gap first."""
     significant = false_discovery_control([place.p_value for place in found]) <= RATE
     signed = zip(found, significant.tolist(), strict=True)
     entries = [replace(place, z=math.copysign(place.z, place.gap), is_significant=far) for place, far in signed]
     return tuple(sorted(entries, key=lambda place: place.p_value))
 
 
-def _groups(means: _Means, names: Sequence[str]) -> tuple[Place, ...]:
-    """Return the groups of one name each as places, the greatest share of the gap first."""
+def _groups(place: Callable[[str, NDArray[np.int64]], Place], names: Sequence[str]) -> tuple[Place, ...]:
+    """Return the groups of means of one name each as places, the greatest share of the gap first."""
     named = np.array(names)
-    found = [means.place(name, np.flatnonzero(named == name)) for name in dict.fromkeys(names)]
-    groups = [replace(place, is_significant=place.p_value < RATE / len(found)) for place in found]
-    return tuple(sorted(groups, key=lambda place: -place.share))
+    found = [place(name, np.flatnonzero(named == name)) for name in dict.fromkeys(names)]
+    groups = [replace(one, is_significant=one.p_value < RATE / len(found)) for one in found]
+    return tuple(sorted(groups, key=lambda one: -one.share))
 
 
 DRAWS = 200

@@ -131,11 +131,6 @@ class Priors:
     name: NDArray[np.int64]
     n_effects: int
 
-    def of(self, some: NDArray[np.int64]) -> "Priors":
-        """Return those of some candidates, among as many effects."""
-        mean, sd, bounds = self.mean[some], self.sd[some], self.bounds[:, some]
-        return Priors(mean, sd, bounds, self.is_discrete[some], self.log_weight[some], self.name[some], self.n_effects)
-
 
 def explain_together(candidates: Sequence[Candidate]) -> bool:
     """Return whether candidates are an explanation: two cells without names are a field, which is unknown.

@@ -21,7 +21,6 @@ from scipy.special import log_ndtr
 
 from octmip.gap.inference.candidates import SCALES, Priors
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.whitening import Whitening
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -149,42 +148,40 @@ def _between(size: Floats, spread: Floats, bounds: Floats) -> tuple[Floats, Floa
 def extensions(model: LinearModel, members: Members, among: Ints | None = None) -> tuple[Floats, Floats]:
     """Return log_factor (n_candidates,) of `members` with each candidate added, and what is new in each.
 
-    The members, with the prior of scale 1, are columns B of a covariance I + B B'; the added candidate sums over the
-    scale mixture. What is new is the share of its squared length that B leaves. Good for choosing, not for reporting:
-    `Inference.fit` is exact. The log factor is -inf for the members themselves, and for all but the candidates `among`
-    (k,) where these are given.
+    The members have the prior of scale 1, the added candidate sums over the scale mixture. What is new is the share of
+    its squared length that the members leave. Good for choosing, not for reporting: `Inference.fit` is exact. The log
+    factor is -inf for the members themselves, and for all but the candidates `among` (k,) where these are given.
     """
-    prior, index, some = model.inputs.priors, list(members), slice(None) if among is None else among
+    prior, index = model.inputs.priors, list(members)
+    some = np.arange(len(prior.sd)) if among is None else among
     white = model.white if among is None else model.whiten(model.signatures[:, among])
-    lengths = model.lengths if among is None else np.einsum("ij,ij->j", white, white)
-    variance, gain, start = lengths, white.T @ model.left, 0.0
-    if index:
-        own = model.whiten(model.signatures[:, index])
-        columns = own * prior.sd[index]
-        left = model.left - own @ prior.mean[index]
-        beside = Whitening.of(np.eye(len(index)) + columns.T @ columns)
-        solved = beside.of_columns(columns.T @ np.column_stack([white, left]))
-        variance = variance - np.einsum("ij,ij->j", solved[:, :-1], solved[:, :-1])
-        gain = white.T @ left - solved[:, :-1].T @ solved[:, -1]
-        fit = float(model.left @ model.left) - float(left @ left) + float(solved[:, -1] @ solved[:, -1])
-        start = 0.5 * fit - beside.log_volume
+    own, lengths = model.whiten(model.signatures[:, index]), np.einsum("ij,ij->j", white, white)
+    inner, cross = own.T @ own, white.T @ own
+    gram = np.empty((len(some), len(index) + 1, len(index) + 1))
+    gram[:, :-1, :-1], gram[:, -1, :-1], gram[:, :-1, -1], gram[:, -1, -1] = inner, cross, cross, lengths
+    gain = np.column_stack([np.tile(own.T @ model.left, (len(some), 1)), white.T @ model.left])
     total, new = np.full(len(prior.sd), -np.inf), np.zeros(len(prior.sd))
-    logs = single_logs(prior if among is None else prior.of(among), variance, gain)
-    total[some] = start + np.logaddexp.reduce(logs, axis=0) - np.log(len(SCALES))
-    new[some] = variance / np.maximum(lengths, 1e-300)
+    total[some] = last_added(
+        prior, np.column_stack([np.tile(np.array(index, dtype=np.int64), (len(some), 1)), some]), gram, gain
+    )
     total[index] = -np.inf
+    open_ = np.linalg.inv(inner + np.diag(prior.sd[index] ** -2))
+    new[some] = 1.0 - np.einsum("ij,jk,ik->i", cross, open_, cross) / np.maximum(lengths, 1e-300)
     return total, new
 
 
-def single_logs(prior: Priors, variance: Floats, gain: Floats) -> Floats:
-    """Return the log evidence (n_scales, n_candidates) that each adds alone, its prior sd scaled."""
-    sd = np.where(prior.is_discrete, prior.sd, np.outer(SCALES, prior.sd))
-    precision = np.maximum(variance, 0.0) + sd**-2
-    eta = prior.mean / sd**2 + gain
-    size, spread = eta / precision, precision**-0.5
-    value = 0.5 * (eta**2 / precision - prior.mean**2 / sd**2 - np.log(precision * sd**2))
-    cut = np.flatnonzero(np.isfinite(prior.bounds).any(axis=0))
-    bounds = prior.bounds[:, None, cut]
-    share = log_between(size[:, cut], spread[:, cut], bounds) - log_between(prior.mean[cut], sd[:, cut], bounds)
-    value[:, cut] += share
-    return np.asarray(value)
+def last_added(prior: Priors, index: Ints, gram: Floats, projection: Floats) -> Floats:
+    """Return the log evidence (n,) of sets (n, m) of which the last members alone sum over the scale mixture.
+
+    Parameters
+    ----------
+    gram, projection
+        (n, m, m) Gram matrices and (n, m) b.
+    """
+    scale = np.ones((len(SCALES), index.shape[1]))
+    scale[:, -1] = SCALES
+    sd = prior.sd[index][:, None] * np.where(prior.is_discrete[index][:, None], 1.0, scale)
+    bounds = prior.bounds[:, index][:, :, None].copy()
+    bounds[..., :-1] = np.array([-np.inf, np.inf])[:, None, None, None]
+    logs = _gaussians(gram[:, None], projection[:, None], prior.mean[index][:, None], sd, bounds)[0]
+    return np.asarray(np.logaddexp.reduce(logs, axis=1) - np.log(len(SCALES)))

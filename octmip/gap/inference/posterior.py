@@ -140,38 +140,24 @@ def _variants(start: LinearModel) -> list[tuple[float, LinearModel]]:
 
     That nothing wanders is always looked at, a walk where it bears the readings better beside the best single effect.
     """
-    first, *others = start.inputs.noises
     best = _best(extensions(start, ())[0] + start.inputs.priors.log_weight, N_TRIED)
-    models = [start, *(start.under(1.0, one) for one in others)]
-    noises = [_Variant.of(one.log_share, model, best) for one, model in zip((first, *others), models, strict=True)]
-    noises.sort(key=lambda one: -one.weight)
-    still = [one for one in noises if not one.wanders][:1]
-    least = still[0].weight if still else -inf
-    walks = [one for one in noises if one.wanders and one.weight >= least]
-    found: list[_Variant] = []
-    for usual in [*still, *walks[:1]]:
-        at = {level: usual.model if level == 1.0 else usual.model.under(level) for level in _levels(start)}
-        own = [_Variant.of(usual.log_share + log(p), at[level], best) for level, p in _levels(start).items()]
-        own.sort(key=lambda one: -one.weight)
-        found += [one for one in own if one.weight > own[0].weight - VARIANT_BEHIND][:MOST_LEVELS]
-    return [(one.log_share, one.model) for one in sorted(found, key=lambda one: -one.weight)]
 
+    def weighed(log_share: float, model: LinearModel) -> tuple[float, float, LinearModel]:
+        return log_share + _best_single(model, best), log_share, model
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Variant:
-    """A model under a noise and a level, their log prior probability, and its weight beside the best single effect."""
-
-    log_share: float
-    model: LinearModel
-    weight: float
-
-    @classmethod
-    def of(cls, log_share: float, model: LinearModel, among: Ints) -> "_Variant":
-        return cls(log_share, model, log_share + _best_single(model, among))
-
-    @property
-    def wanders(self) -> bool:
-        return self.model.inputs.noise.walk_sd > 0.0
+    first, *others = start.inputs.noises
+    noises = [weighed(first.log_share, start), *(weighed(one.log_share, start.under(1.0, one)) for one in others)]
+    noises.sort(key=lambda one: -one[0])
+    wanders = [one[2].inputs.noise.walk_sd > 0.0 for one in noises]
+    still = [one for one, is_walk in zip(noises, wanders, strict=True) if not is_walk][:1]
+    least = still[0][0] if still else -inf
+    walks = [one for one, is_walk in zip(noises, wanders, strict=True) if is_walk and one[0] >= least]
+    found = []
+    for _, log_share, model in [*still, *walks[:1]]:
+        at = [(model if level == 1.0 else model.under(level), log(p)) for level, p in _levels(start).items()]
+        own = sorted((weighed(log_share + log_p, one) for one, log_p in at), key=lambda one: -one[0])
+        found += [one for one in own if one[0] > own[0][0] - VARIANT_BEHIND][:MOST_LEVELS]
+    return [(log_share, model) for _, log_share, model in sorted(found, key=lambda one: -one[0])]
 
 
 def _levels(model: LinearModel) -> Mapping[float, float]:

@@ -22,7 +22,7 @@ from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.difference import Difference
-from octmip.gap.inference.evidence import single_logs
+from octmip.gap.inference.evidence import last_added
 from octmip.gap.inference.inputs import Inputs, Run, levels_without_run
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
 from octmip.gap.inference.signatures import signatures_of
@@ -158,7 +158,7 @@ def _by_effect(inputs: Inputs, lengths: Floats, projection: Floats) -> WrongRun:
     if not len(lengths):
         return WrongRun(-np.inf, "")
     priors, built = inputs.priors, getattr(inputs.twin.twin, "constants", {})
-    logs = np.logaddexp.reduce(single_logs(priors, lengths, projection), axis=0) - np.log(len(SCALES))
+    logs = last_added(priors, np.arange(len(lengths))[:, None], lengths[:, None, None], projection[:, None])
     logs += priors.log_weight - np.log(max(priors.n_effects, 1))
     for j, one in enumerate(inputs.candidates):
         wanders, is_built = getattr(one.effect, "uses_time", False), one.name in built  # the asset was built so
