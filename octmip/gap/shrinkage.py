@@ -89,47 +89,27 @@ class Shrinkage:
     unit: str = MICROSTRAIN
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Left:
-    """Held-out rows (n_held,): residuals without and with the effect, variance of noise alone and of the floor."""
-
-    before: Floats
-    after: Floats
-    noise: Floats
-    floor: Floats
-
-    def of(self, kept: NDArray[np.bool_]) -> "_Left":
-        return _Left(self.before[kept], self.after[kept], self.noise[kept], self.floor[kept])
-
-    def held_out(self, name: str) -> HeldOut:
-        floor = float(self.floor.mean())
-        left, gap = _square(self.after, self.noise) - floor, _square(self.before, self.noise) - floor
-        closed = 1.0 - max(0.0, left) / gap if gap > 0.0 else np.nan
-        return HeldOut(name, _rms(self.before, self.noise), _rms(self.after, self.noise), closed)
-
-
 def measure_shrinkage(inference: Inference, members: Sequence[int]) -> Shrinkage:
     """Return how far the candidates `members` close the gap, the interval by a parametric bootstrap of the noise."""
     model, chosen = inference.model, tuple(members)
     allowing, own = inference.allowing(chosen).model, inference.fit(chosen)
     scale, shared = model.inputs.scale[model.gauge], model.scatter
     floor = np.diag(model.covariance) - np.diag(shared) - OPEN_STATE**2 * np.sum(model.tangents**2, axis=1)
-    names, held = _folds(model, chosen)
-    rows = np.concatenate([np.zeros(0, dtype=np.int64), *held])
-    fold = np.repeat(np.arange(len(held)), [len(part) for part in held])
-    residuals = np.concatenate([np.zeros((2, 0)), *(_residuals(model, chosen, part) for part in held)], axis=1)
-    before, after = residuals / scale[rows]
-    whole = _Left(before, after, (np.diag(shared) / scale**2)[rows], (floor / scale**2)[rows])
+    variances, folds = np.stack([np.diag(shared), floor]) / scale**2, _folds(model, chosen)
+    left = [np.vstack([_residuals(model, chosen, held) / scale[held], variances[:, held]]) for held in folds.values()]
+    whole = np.concatenate([np.zeros((4, 0)), *left], axis=1)
+    rows = np.concatenate([np.zeros(0, dtype=np.int64), *folds.values()])
     closed, low, high = _closed(whole, _drawn(shared / np.outer(scale, scale))[:, rows])
+    before, after, noise, known = whole
     remaining = allowing.rest(chosen, own.size)
     return Shrinkage(
-        before=_rms(whole.before, whole.noise),
-        after=_rms(whole.after, whole.noise),
-        floor=_rms(np.sqrt(np.maximum(0.0, whole.floor)), np.zeros(len(rows))),
+        before=_rms(before, noise),
+        after=_rms(after, noise),
+        floor=_rms(np.sqrt(np.maximum(0.0, known)), np.zeros(len(rows))),
         closed=closed,
         low=low,
         high=high,
-        held_out=tuple(whole.of(fold == k).held_out(name) for k, name in enumerate(names)),
+        held_out=tuple(_held_out(name, part) for name, part in zip(folds, left, strict=True)),
         chi2_before=float(model.left @ model.left) / model.n,
         chi2_after=float(remaining @ remaining) / model.n,
         p_after=chance_of_rest(allowing, own),
@@ -143,8 +123,8 @@ def chance_of_rest(model: LinearModel, own: Fit) -> float:
     return float(chi2.sf(float(left @ left), max(1, model.n - len(own.members))))
 
 
-def _folds(model: LinearModel, members: Sequence[int]) -> tuple[list[str], list[NDArray[np.int64]]]:
-    """Return names and rows of load levels and tests that can be held out.
+def _folds(model: LinearModel, members: Sequence[int]) -> dict[str, NDArray[np.int64]]:
+    """Return the rows of load levels and tests that can be held out, by name.
 
     The rest keeps two loads or another test, and still says how large each of the candidates `members` is.
     """
@@ -159,8 +139,7 @@ def _folds(model: LinearModel, members: Sequence[int]) -> tuple[list[str], list[
         known = [test for test in dict.fromkeys(tests) if test not in open_tests]
         folds |= {f"test {test}": np.flatnonzero([own == test for own in tests]) for test in known}
     whole = _told(model, members, np.zeros(0, dtype=np.int64))
-    folds = {name: held for name, held in folds.items() if np.all(_told(model, members, held) >= LEAST_LEFT * whole)}
-    return list(folds), list(folds.values())
+    return {name: held for name, held in folds.items() if np.all(_told(model, members, held) >= LEAST_LEFT * whole)}
 
 
 def _told(model: LinearModel, members: Sequence[int], held: NDArray[np.int64]) -> Floats:
@@ -210,20 +189,33 @@ def _drawn(covariance: Floats) -> Floats:
     return np.asarray((normal * np.sqrt(np.maximum(values, 0.0))) @ vectors.T)
 
 
-def _closed(whole: _Left, draws: Floats) -> tuple[float, float, float]:
-    """Return the share closed and its 90 % interval; NaN when the gap does not stand above noise and floor."""
-    before, after, noise = whole.before, whole.after, whole.noise
+def _held_out(name: str, left: Floats) -> HeldOut:
+    """Return the gap of held-out rows (4, n), as `_closed` has them."""
+    before, after, noise, floor = left
+    rest, gap = (_square(part, noise) - float(floor.mean()) for part in (after, before))
+    closed = 1.0 - max(0.0, rest) / gap if gap > 0.0 else np.nan
+    return HeldOut(name, _rms(before, noise), _rms(after, noise), closed)
+
+
+def _closed(left: Floats, draws: Floats) -> tuple[float, float, float]:
+    """Return the share closed and its 90 % interval; NaN when the gap does not stand above noise and floor.
+
+    Parameters
+    ----------
+    left
+        (4, n) of held-out rows: residuals without and with the effect, variance of noise alone and of the floor.
+    draws
+        (n_draws, n) of noise.
+    """
+    before, after, noise, known = left
     nan = float("nan")
     if not len(before):
         return nan, nan, nan
-    first, second = _square(before, noise), _square(after, noise)
-    floor = float(whole.floor.mean())
-    gap = first - floor
+    floor = float(known.mean())
+    gap, rest = (_square(part, noise) - floor for part in (before, after))
     error = float(np.sqrt(np.mean(2 * noise**2 + 4 * noise * before**2) / len(before)))
     if gap < LEAST_GAP * error:
         return nan, nan, nan
-    g0 = np.mean((before + draws) ** 2 - 2 * noise, axis=1)
-    g1 = np.mean((after + draws) ** 2 - 2 * noise, axis=1)
-    shares = 1.0 - np.maximum(0.0, g1 - floor) / np.maximum(g0 - floor, 0.1 * gap)
-    low, high = np.quantile(shares, [0.05, 0.95])
-    return 1.0 - max(0.0, second - floor) / gap, float(low), float(high)
+    g0, g1 = (np.mean((part + draws) ** 2 - 2 * noise, axis=1) - floor for part in (before, after))
+    low, high = np.quantile(1.0 - np.maximum(0.0, g1) / np.maximum(g0, 0.1 * gap), [0.05, 0.95])
+    return 1.0 - max(0.0, rest) / gap, float(low), float(high)

@@ -17,7 +17,7 @@ from octmip.gap.inference.signatures import load_steps
 from octmip.gap.inference.states import LINES, _changes, grid, joint_covariance, state_posterior
 from octmip.gap.location import flips, localise
 from octmip.gap.next_test import _answer_entropy, _loads_to_test, _new_settings, _overlap
-from octmip.gap.shrinkage import _closed, _Left, _residuals
+from octmip.gap.shrinkage import _closed, _held_out, _residuals
 from octmip.gap.sizes import _mixture
 from octmip.trees.nodes.tree import Leaf, Split
 from tests.test_octmip.beam_twin import Beam, Field, measured, own_gains
@@ -239,16 +239,16 @@ def test_what_is_held_out_is_predicted_from_the_rest_alone(is_known):
 def test_the_share_that_is_closed_is_of_squares_with_noise_and_floor_taken_off():
     rng = np.random.default_rng(0)
     before, after, noise = rng.normal(9.0, 1.0, 400), rng.normal(3.0, 1.0, 400), np.ones(400)
-    left = _Left(before, after, noise, 2.0 * noise)
+    left = np.stack([before, after, noise, 2.0 * noise])
     share = 1.0 - (np.mean(after**2) - 3.0) / (np.mean(before**2) - 3.0)
-    assert left.held_out("all").closed == pytest.approx(share)
+    assert _held_out("all", left).closed == pytest.approx(share)
     draws = rng.normal(0.0, 1.0, (500, 400))
     closed, low, high = _closed(left, draws)
     noisy = [np.mean((part + draws) ** 2, axis=1) - 4.0 for part in (before, after)]
     assert closed == pytest.approx(share)
     assert (low, high) == pytest.approx(tuple(np.quantile(1.0 - noisy[1] / noisy[0], [0.05, 0.95])))
-    assert np.isnan(_closed(_Left(noise, noise, noise, 0.0 * noise), draws)).all()
-    assert _closed(_Left(before, 0.0 * after, noise, noise), draws)[0] == 1.0
+    assert np.isnan(_closed(np.stack([noise, noise, noise, 0.0 * noise]), draws)).all()
+    assert _closed(np.stack([before, 0.0 * after, noise, noise]), draws)[0] == 1.0
 
 
 def test_a_step_of_the_load_is_its_change_at_the_time_of_its_first_reading():

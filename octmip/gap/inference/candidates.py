@@ -71,11 +71,6 @@ class Candidate:
         return self.effect.prior_mean != 0.0
 
     @property
-    def acts_on_readings(self) -> bool:
-        """Whether its signature is a map of the twin's readings alone: then it also acts on what other effects add."""
-        return bool(getattr(self.effect, "acts_on_readings", False))
-
-    @property
     def signature_errors(self) -> NDArray[np.float64]:
         """Relative sd of the signature, the same at each of the twin's readings or one for each (n_gauges,)."""
         usual = 0.0 if in_chain(self.effect) else SIGNATURE_ERROR
