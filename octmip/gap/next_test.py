@@ -12,7 +12,7 @@ reliability.
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -47,41 +47,6 @@ WORTH = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class OtherTest:
-    """A test outside the strain gauges.
-
-    Attributes
-    ----------
-    name
-        in snake_case.
-    cost
-        relative to one strain test at a load that was flown before.
-    words
-        what to do.
-    quantity
-        what it measures, of `octmip.twin.QUANTITIES`: it sees the effects whose `seen_by` names it.
-    """
-
-    name: str
-    cost: float
-    words: str
-    quantity: str
-
-
-OTHER_TESTS = (
-    OtherTest("load_cell", 1.0, "check the load with a second load cell or a known mass", "applied_load"),
-    OtherTest("shunt_calibration", 0.5, "shunt-calibrate the bridges", "shunt_reading"),
-    OtherTest(
-        "tap_test", 0.3, "warm or press one gauge after the other and see which channel answers", "channel_order"
-    ),
-    OtherTest("gauge_survey", 0.5, "measure place and angle of the gauge on the structure", "gauge_placement"),
-    OtherTest("tip_deflection", 1.5, "measure the tip deflection under a known load", "deflection"),
-    OtherTest("frequency", 3.0, "measure the first natural frequencies", "frequency"),
-    OtherTest("thermal_soak", 5.0, "repeat the zero-load reading at another temperature", "thermal_zero"),
-)
-
-
-@dataclass(frozen=True, slots=True)
 class Proposal:
     """A test that is worth running.
 
@@ -113,6 +78,24 @@ class Proposal:
     def value(self) -> float:
         """Information per cost."""
         return self.information / self.cost
+
+
+OTHER_TESTS = {
+    "applied_load": Proposal("load_cell", "check the load with a second load cell or a known mass", 0.0, 1.0, False),
+    "shunt_reading": Proposal("shunt_calibration", "shunt-calibrate the bridges", 0.0, 0.5, False),
+    "channel_order": Proposal(
+        "tap_test", "warm or press one gauge after the other and see which channel answers", 0.0, 0.3, False
+    ),
+    "gauge_placement": Proposal(
+        "gauge_survey", "measure place and angle of the gauge on the structure", 0.0, 0.5, False
+    ),
+    "deflection": Proposal("tip_deflection", "measure the tip deflection under a known load", 0.0, 1.5, False),
+    "frequency": Proposal("frequency", "measure the first natural frequencies", 0.0, 3.0, False),
+    "thermal_zero": Proposal("thermal_soak", "repeat the zero-load reading at another temperature", 0.0, 5.0, False),
+}
+"""Tests outside the strain gauges, by the quantity that they measure (`octmip.twin.QUANTITIES`).
+
+They see the effects whose `seen_by` names it."""
 
 
 Limits = tuple[float, float]
@@ -206,12 +189,12 @@ def _other_tests(inputs: Inputs, fits: Sequence[Fit], weight: Floats) -> list[Pr
     """Return tests that other instruments answer: a bridge is shunted, what reads no strain has a second beside it."""
     candidates = inputs.candidates
     found = []
-    for test in OTHER_TESTS:
+    for quantity, test in OTHER_TESTS.items():
         answers = [
-            frozenset(candidates[j].name for j in fit.members if _is_seen(inputs, candidates[j], test.quantity))
+            frozenset(candidates[j].name for j in fit.members if _is_seen(inputs, candidates[j], quantity))
             for fit in fits
         ]
-        found.append(Proposal(test.name, test.words, RELIABLE * _answer_entropy(answers, weight), test.cost, False))
+        found.append(replace(test, information=RELIABLE * _answer_entropy(answers, weight)))
     for gauge, unit in zip(inputs.campaign.gauges, inputs.units, strict=True):
         if unit != MICROSTRAIN:
             answers = [

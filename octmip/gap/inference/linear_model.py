@@ -48,16 +48,12 @@ class Given:
         (n,) and (n, n).
     log_run
         log evidence of the run; 0 without one.
-    of_run, across
-        whitening L_r of the run's rows, and X' = L_r^-1 K_rc (m, n) of docs/theory/gap.md; None without a run.
     """
 
     level: float
     mean: Floats
     covariance: Floats
     log_run: float = 0.0
-    of_run: Whitening | None = None
-    across: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,17 +232,17 @@ def linearise(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel
     flat = means.average * len(inputs.order) + means.gauge
     usual = _given_run(inputs, 1.0, means.rows)
     signatures, tangents = (
-        _fixed(signatures_of(inputs, states, expected_of(means, usual))[:, flat].T),
+        _fixed(signatures_of(inputs, states, expected_of(inputs, means, usual))[:, flat].T),
         _tangents(inputs, states, flat),
     )
     given = usual if level == 1.0 else _given_run(inputs, level, means.rows)
     return LinearModel(inputs, _fixed(states), means, signatures, _fixed(tangents), given)
 
 
-def expected_of(means: Means, given: Given) -> Floats:
+def expected_of(inputs: Inputs, means: Means, given: Given) -> Floats:
     """Return what the asset reads before any effect (n_averages, n_gauges): the twin, and what a run says it misses."""
     expected = means.expected.copy()
-    if given.of_run is not None:
+    if inputs.run is not None:
         expected[means.average, means.gauge] += given.mean
     return expected
 
@@ -262,7 +258,7 @@ def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:
     across = whitening.of_columns(difference.covariance(run.means.rows, rows))
     left = whitening.of_columns(run.residual)
     covariance = own - across.T @ across + np.diag(ROUNDING * np.diag(own))  # what is left may be far below what it was
-    return Given(level, across.T @ left, covariance, whitening.log_density(left), whitening, across)
+    return Given(level, across.T @ left, covariance, whitening.log_density(left))
 
 
 def difference_at(inputs: Inputs, load: Load, state: Mapping[str, float], level: float = 1.0) -> tuple[Floats, Floats]:

@@ -44,7 +44,8 @@ def at_own_sizes(model: LinearModel) -> LinearModel:
         return model
     chords: dict[int, float] = {}
     ends: dict[int, tuple[float, float]] = {}
-    ratio = ratios(model.inputs, model.states, expected_of(model.means, model.given))[model.average, model.gauge]
+    expected = expected_of(model.inputs, model.means, model.given)
+    ratio = ratios(model.inputs, model.states, expected)[model.average, model.gauge]
     for _ in range(LAPS):
         named = {**_together(model), **_by_test(model)}
         wanted = _alone(model, forward) | named
