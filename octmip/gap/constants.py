@@ -91,7 +91,7 @@ def _without(judged: Judged, told: Sequence[Parameter]) -> Floats:
         is_mapped = candidates[j].forward is not None
         left = left - (changed_rows(model, candidates[j], size) if is_mapped else model.signatures[:, j] * size)
     departure, sd = np.array([*judged.model.inputs.open.values()]).T
-    rest = sd * (model.whiten(model.means.rows.constants).T @ model.whiten(left))
+    rest = sd * (model.whiten(model.rows.constants).T @ model.whiten(left))
     changed = {effect for effect, _ in sizes}  # from the drawing: there its map starts
     return np.asarray(departure + rest * [name not in changed for name in judged.model.inputs.open])
 
@@ -100,7 +100,7 @@ def _of_one(judged: Judged) -> tuple[Floats, Floats]:
     """Return mean (k,) with the changes of constants, and covariance (k, k), from the twin's values."""
     model, fit, names = judged.allowing, judged.fit, list(judged.model.inputs.open)
     departure, sd = np.array([*judged.model.inputs.open.values()]).T
-    columns, members = model.whiten(model.means.rows.constants), list(fit.members)
+    columns, members = model.whiten(model.rows.constants), list(fit.members)
     signatures = model.white[:, members]
     middle = departure + sd * (columns.T @ (model.left - signatures @ fit.size))
     candidates = judged.model.inputs.candidates

@@ -133,7 +133,7 @@ def test_an_exact_size_fits_the_readings_best_and_its_interval_holds_the_one_tha
     inputs, _ = prepare(campaign, Beam(), {"modulus": softer}, RUN)
     model = linearise(inputs, np.zeros((4, 2)))
     head = Judged((0,), False, 0.0, Inference(model), probability=1.0)
-    shown, plain = model.means.predicted, float(head.fit.size[0])
+    shown, plain = model.rows.predicted, float(head.fit.size[0])
     tried = np.linspace(10.0, 30.0, 2001)
     left = [np.linalg.norm(model.whiten(model.residual + shown - shown / (1.0 + 0.01 * size))) for size in tried]
     size, stretch = _exact(head, 0, plain)

@@ -36,14 +36,14 @@ def test_without_a_run_the_difference_is_what_is_usual():
     campaign = measured(3)
     inputs = prepared(campaign, None)
     model = linearise(inputs, states_of(campaign))
-    expected = model.noise + inputs.difference.covariance(model.means.rows, model.means.rows)
+    expected = model.noise + inputs.difference.covariance(model.rows, model.rows)
     assert np.allclose(model.covariance, expected + OPEN_STATE**2 * model.tangents @ model.tangents.T)
     assert model.given.log_run == 0.0
 
 
 def test_a_difference_is_a_covariance_and_same_cells_share_all_of_it():
     inputs = prepared(measured(3))
-    rows = inputs.run.means.rows
+    rows = inputs.run.rows
     covariance = inputs.difference.covariance(rows, rows)
     assert np.linalg.eigvalsh(covariance).min() > -1e-9 * np.linalg.eigvalsh(covariance).max()
     once = rows.at(np.arange(1))
@@ -109,9 +109,9 @@ def test_the_wander_of_few_tests_is_their_covariance_less_that_of_the_noise_and_
     difference = prepared(measured(5)).difference
     gauge, none = np.repeat([0, 1], n), np.zeros(2 * n, int)
     ones = np.ones(2 * n)
-    rows = Rows(
-        gauge, none, np.tile(np.arange(n), 2), none, ones, 0.0 * ones, ones, ones[:, None], np.zeros((2 * n, 0))
-    )
+    numbers = {"average": none, "gauge": gauge, "load": none, "test": np.tile(np.arange(n), 2), "state": none}
+    values = {"measured": ones, "predicted": ones, "healthy": ones, "change": 0.0 * ones, "share": ones}
+    rows = Rows(**numbers, **values, applied=ones[:, None], constants=np.zeros((2 * n, 0)))
     offsets, scale = np.random.default_rng(n).normal(size=(2, n)), difference.frame.scale[gauge]
     found = wander_of(difference, rows, offsets.ravel() * scale, np.diag(0.02 * scale**2))[0]
     raw = np.cov(offsets)
@@ -126,7 +126,7 @@ def test_the_wander_of_few_tests_is_their_covariance_less_that_of_the_noise_and_
 def test_the_level_of_a_kind_is_by_how_much_its_readings_differ_more_than_usual(level):
     campaign = measured(5)
     inputs = prepared(campaign, None)
-    rows = linearise(inputs, states_of(campaign)).means.rows
+    rows = linearise(inputs, states_of(campaign)).rows
     usual = inputs.difference.covariance(rows, rows)
     draws = np.random.default_rng(8).multivariate_normal(np.zeros(len(usual)), level**2 * usual, 12)
     noise = 1e-4 * np.diag(np.diag(usual))
@@ -137,7 +137,7 @@ def test_the_level_of_a_kind_is_by_how_much_its_readings_differ_more_than_usual(
 def test_a_run_tells_how_far_sound_readings_differ_so_that_the_level_is_of_what_damage_changes_alone():
     campaign = measured(3, states=((0.3, 0.2),))
     with_run, without = prepared(campaign), prepared(campaign, None)
-    rows = linearise(with_run, states_of(campaign)).means.rows
+    rows = linearise(with_run, states_of(campaign)).rows
     sound = replace(rows, change=np.zeros_like(rows.change))
     learnt, usual = with_run.difference, without.difference
     assert np.array_equal(learnt.at(4.0).covariance(sound, sound), learnt.covariance(sound, sound))

@@ -23,7 +23,7 @@ from octmip.gap.inference.difference import (
     usual_difference,
     wander_of,
 )
-from octmip.gap.inference.rows import Frame, Means, recorded
+from octmip.gap.inference.rows import Frame, Rows, recorded
 from octmip.gap.odds import Differences, Odds
 from octmip.gap.twins import CachedTwin
 from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, load_words, units_of
@@ -77,7 +77,7 @@ class Run:
 
     Attributes
     ----------
-    campaign, averages, means
+    campaign, averages, rows
         its readings.
     noises
         for every size of a walk or memory that its repeats leave open.
@@ -87,14 +87,14 @@ class Run:
 
     campaign: Campaign
     averages: tuple[Cell, ...]
-    means: Means
+    rows: Rows
     noises: tuple[NoiseOfMeans, ...]
     noise: Floats
 
     @property
     def residual(self) -> Floats:
         """(n,) readings less the twin's predictions."""
-        return self.means.measured - self.means.predicted
+        return self.rows.residual
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -274,7 +274,7 @@ def prepare(
 
 def relearnt(inputs: Inputs, run: Run) -> Inputs:
     """Return the inputs beside a run, the difference with what that alone says of it."""
-    rows, residual = run.means.rows, run.residual
+    rows, residual = run.rows, run.residual
     usual = inputs.usual
     best = max(run.noises, key=lambda one: one.log_share + log_at_levels(usual, rows, residual, one.covariance))
     noise = best.covariance
@@ -324,7 +324,7 @@ def _read(run: Campaign, frame: Frame, noise: Noise) -> tuple[Run, list[str]]:
     parameters = [run.parameters.index(name) for name in frame.twin.parameters]
     states = np.array([cell.state for cell in run.cells])[:, parameters]
     noises = NoiseOfMeans.every(of_run, averages)
-    return Run(run, averages, frame.means(averages, states, FIRST_OF_RUN), noises, noises[0].covariance), notes
+    return Run(run, averages, frame.rows(averages, states, FIRST_OF_RUN), noises, noises[0].covariance), notes
 
 
 WITHOUT_RUN = (

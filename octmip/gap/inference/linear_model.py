@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.inference.inputs import Inputs, NoiseOfMeans
-from octmip.gap.inference.rows import Means, Rows
+from octmip.gap.inference.rows import Rows
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.whitening import Whitening
 from octmip.twin import Load
@@ -66,8 +66,8 @@ class LinearModel:
         what it was made of.
     states
         (n_cells, n_parameters), all known.
-    means
-        the rows.
+    rows
+        the means.
     signatures
         (n, n_candidates) S.
     tangents
@@ -82,7 +82,7 @@ class LinearModel:
 
     inputs: Inputs
     states: Floats
-    means: Means
+    rows: Rows
     signatures: Floats
     tangents: Floats
     given: Given
@@ -92,7 +92,7 @@ class LinearModel:
     @cached_property
     def residual(self) -> Floats:
         """(n,) readings less twin and difference, in the unit of each."""
-        return _fixed(self.means.measured - self.predicted)
+        return _fixed(self.rows.measured - self.predicted)
 
     @cached_property
     def covariance(self) -> Floats:
@@ -153,17 +153,17 @@ class LinearModel:
     @property
     def predicted(self) -> Floats:
         """(n,) twin and difference."""
-        return self.means.predicted + self.given.mean
+        return self.rows.predicted + self.given.mean
 
     @property
     def average(self) -> Ints:
         """(n,) averaged cell of every row."""
-        return self.means.average
+        return self.rows.average
 
     @property
     def gauge(self) -> Ints:
         """(n,) gauge of the campaign of every row."""
-        return self.means.gauge
+        return self.rows.gauge
 
     @property
     def n(self) -> int:
@@ -208,7 +208,7 @@ class LinearModel:
     def under(self, level: float, noise: NoiseOfMeans | None = None) -> "LinearModel":
         """Return the model at a level of the difference, under another noise if one is given; nothing is added."""
         inputs = replace(self.inputs, noise_of_means=noise or self.inputs.noise_of_means)
-        return replace(self, inputs=inputs, given=_given_run(inputs, level, self.means.rows), added=0.0)
+        return replace(self, inputs=inputs, given=_given_run(inputs, level, self.rows), added=0.0)
 
     def with_covariance(self, added: Floats) -> "LinearModel":
         """Return the model with a covariance (n, n) added to C0."""
@@ -228,23 +228,20 @@ def linearise(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel
     """
     states = np.array(states)
     _ask_together(inputs, states)
-    means = inputs.frame.means(inputs.averages, states, 0)
-    flat = means.average * len(inputs.order) + means.gauge
-    usual = _given_run(inputs, 1.0, means.rows)
-    signatures, tangents = (
-        _fixed(signatures_of(inputs, states, expected_of(inputs, means, usual))[:, flat].T),
-        _tangents(inputs, states, flat),
-    )
-    given = usual if level == 1.0 else _given_run(inputs, level, means.rows)
-    return LinearModel(inputs, _fixed(states), means, signatures, _fixed(tangents), given)
+    rows = inputs.frame.rows(inputs.averages, states, 0)
+    flat, usual = rows.average * len(inputs.order) + rows.gauge, _given_run(inputs, 1.0, rows)
+    signatures = _fixed(signatures_of(inputs, states, missed_by(inputs, rows, usual))[:, flat].T)
+    tangents = _fixed(_tangents(inputs, states, flat))
+    given = usual if level == 1.0 else _given_run(inputs, level, rows)
+    return LinearModel(inputs, _fixed(states), rows, signatures, tangents, given)
 
 
-def expected_of(inputs: Inputs, means: Means, given: Given) -> Floats:
-    """Return what the asset reads before any effect (n_averages, n_gauges): the twin, and what a run says it misses."""
-    expected = means.expected.copy()
+def missed_by(inputs: Inputs, rows: Rows, given: Given) -> Floats:
+    """Return what a run says that the asset reads more than the twin before any effect (n_averages, n_gauges)."""
+    missed = np.zeros((len(inputs.averages), len(inputs.order)))
     if inputs.run is not None:
-        expected[means.average, means.gauge] += given.mean
-    return expected
+        missed[rows.average, rows.gauge] = given.mean
+    return missed
 
 
 def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:
@@ -254,8 +251,8 @@ def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:
     if run is None:
         departures = np.array([departure / sd for departure, sd in inputs.open.values()])
         return Given(level, rows.constants @ departures, own + rows.constants @ rows.constants.T)
-    whitening = Whitening.of(run.noise + difference.covariance(run.means.rows, run.means.rows))
-    across = whitening.of_columns(difference.covariance(run.means.rows, rows))
+    whitening = Whitening.of(run.noise + difference.covariance(run.rows, run.rows))
+    across = whitening.of_columns(difference.covariance(run.rows, rows))
     left = whitening.of_columns(run.residual)
     covariance = own - across.T @ across + np.diag(ROUNDING * np.diag(own))  # what is left may be far below what it was
     return Given(level, across.T @ left, covariance, whitening.log_density(left))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from octmip.errors import TwinError
 from octmip.gap.inference.candidates import sizes_by_test
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import LinearModel, expected_of, linearise
+from octmip.gap.inference.linear_model import LinearModel, linearise, missed_by
 from octmip.gap.inference.signatures import exact_change, ratios
 
 Floats = NDArray[np.float64]
@@ -44,8 +44,8 @@ def at_own_sizes(model: LinearModel) -> LinearModel:
         return model
     chords: dict[int, float] = {}
     ends: dict[int, tuple[float, float]] = {}
-    expected = expected_of(model.inputs, model.means, model.given)
-    ratio = ratios(model.inputs, model.states, expected)[model.average, model.gauge]
+    missed = missed_by(model.inputs, model.rows, model.given)
+    ratio = ratios(model.inputs, model.states, missed)[model.average, model.gauge]
     for _ in range(LAPS):
         named = {**_together(model), **_by_test(model)}
         wanted = _alone(model, forward) | named

@@ -164,7 +164,7 @@ def _levels(model: LinearModel) -> Mapping[float, float]:
     """Return the levels that are open: where nothing is damaged, a run of the sound asset leaves none."""
     if model.inputs.run is None:
         return levels_without_run(model.inputs)
-    return OF_DAMAGE if model.means.rows.change.any() else {1.0: 1.0}
+    return OF_DAMAGE if model.rows.change.any() else {1.0: 1.0}
 
 
 def _best_single(model: LinearModel, among: Ints | None = None) -> float:

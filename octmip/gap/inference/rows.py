@@ -21,23 +21,30 @@ HALF = 0.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rows:
-    """Mean readings as the difference sees them, (n,) each.
+    """Mean readings, a row for each that was recorded, and what the difference of twin and asset depends on there.
 
     Attributes
     ----------
-    gauge, load, test, state
-        numbers of each; those of loads, tests and states are common to run and campaign.
+    average, gauge
+        (n,) which average and which gauge of the campaign.
+    measured, predicted
+        (n,) mean reading and the twin's.
+    load, test, state
+        (n,) numbers, common to run and campaign.
     healthy, change
-        what the twin predicts of the sound asset, and what the state changes in it.
+        (n,) what the twin predicts of the sound asset, and what the state changes in it.
     share
-        phi.
+        (n,) phi.
     applied
         (n, n_loads) loads over half of their range in run and campaign.
     constants
         (n, k) what a prior sd of each constant that is open changes.
     """
 
+    average: Ints
     gauge: Ints
+    measured: Floats
+    predicted: Floats
     load: Ints
     test: Ints
     state: Ints
@@ -47,35 +54,14 @@ class Rows:
     applied: Floats
     constants: Floats
 
+    @property
+    def residual(self) -> Floats:
+        """(n,) readings less the twin's predictions."""
+        return self.measured - self.predicted
+
     def at(self, rows: Ints | NDArray[np.bool_]) -> "Rows":
         """Return some of the rows."""
-        numbers = (self.gauge[rows], self.load[rows], self.test[rows], self.state[rows])
-        healthy, change, share = self.healthy[rows], self.change[rows], self.share[rows]
-        return Rows(*numbers, healthy, change, share, self.applied[rows], self.constants[rows])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Means:
-    """The averages of a campaign in given states, a row for each that was recorded.
-
-    Attributes
-    ----------
-    average, gauge
-        (n,) which average and which gauge of the campaign.
-    measured, predicted
-        (n,) mean reading and the twin's.
-    expected
-        (n_averages, n_gauges) the twin's predictions, recorded or not.
-    rows
-        what the difference of twin and asset depends on.
-    """
-
-    average: Ints
-    gauge: Ints
-    measured: Floats
-    predicted: Floats
-    expected: Floats
-    rows: Rows
+        return Rows(*(getattr(self, name)[rows] for name in self.__slots__))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -152,34 +138,34 @@ class Frame:
         squares = np.bincount(self.kind, relative**2)
         return np.asarray((np.bincount(self.kind, relative * own) / np.maximum(squares, 1e-300))[self.kind])
 
-    def means(self, averages: Sequence[Cell], states: Floats, first_test: int) -> Means:
+    def rows(self, averages: Sequence[Cell], states: Floats, first_test: int) -> Rows:
         """Return the rows of averages of these gauges in states (n_cells, n_parameters); tests count from a number."""
         own = states[[part.number for part in averages]]
-        average, gauge = recorded(averages)
         tests = {name: first_test + k for k, name in enumerate(dict.fromkeys(part.test for part in averages))}
         number, loads = np.array([tests[part.test] for part in averages]), [part.load for part in averages]
-        now, rows = self._rows(own, loads, number, average, gauge)
-        measured = np.array([part.mean for part in averages])[average, gauge]
-        return Means(average, gauge, measured, now[average, gauge], now, rows)
+        return self._rows(own, loads, number, *recorded(averages), np.array([part.mean for part in averages]))
 
     def row_of_each_gauge(self, load: Load, state: Mapping[str, float]) -> Rows:
-        """Return a row (n_gauges,) for every gauge at a load, in a test of its own."""
+        """Return a row (n_gauges,) for every gauge at a load, in a test of its own, without a reading."""
         values = np.array([[state.get(name, 0.0) for name in self.twin.parameters]])
         gauge = np.arange(len(self.order), dtype=np.int64)
-        return self._rows(values, [load], np.array([-1]), np.zeros_like(gauge), gauge)[1]
+        return self._rows(values, [load], np.array([-1]), np.zeros_like(gauge), gauge, np.full((1, len(gauge)), np.nan))
 
     def _rows(
-        self, states: Floats, loads: Sequence[Load], test: Ints, average: Ints, gauge: Ints
-    ) -> tuple[Floats, Rows]:
-        """Return predictions (n_averages, n_gauges) in states at loads, and the rows of some averages and gauges."""
+        self, states: Floats, loads: Sequence[Load], test: Ints, average: Ints, gauge: Ints, means: Floats
+    ) -> Rows:
+        """Return the rows of some averages and gauges, in states at loads, of means (n_averages, n_gauges)."""
         order = list(self.order)
         named = [dict(zip(self.twin.parameters, state.tolist(), strict=True)) for state in states]
         asked = list(zip(named, loads, strict=True))
         now = np.array([self.twin.predict(*one) for one in asked])[:, order]
         none = np.zeros((len(order), 0))
         healthy = np.array([self.twin.predict({}, load) for load in loads])[:, order]
-        rows = Rows(
+        return Rows(
+            average=average,
             gauge=gauge,
+            measured=means[average, gauge],
+            predicted=now[average, gauge],
             load=np.array([self.loads.get(load, -1) for load in loads])[average],
             test=test[average],
             state=np.array([_number(state) for state in states])[average],
@@ -189,7 +175,6 @@ class Frame:
             applied=np.array([self.applied(load) for load in loads])[average],
             constants=np.array([self.slopes(*one) if self.open else none for one in asked])[average, gauge],
         )
-        return now, rows
 
 
 def _scale(twin: CachedTwin, order: Sequence[int], kind: Ints, load: Load) -> Floats:

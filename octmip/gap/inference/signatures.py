@@ -29,7 +29,7 @@ SMALL, MOST_RATIO = 0.1, 2.0
 """Share of the scale below which a reading says little of how good its twin is; how far that may be off."""
 
 
-def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
+def signatures_of(inputs: Inputs, states: Floats, missed: Floats) -> Floats:
     """Return the signatures (n_candidates, n_averages * n_gauges).
 
     Parameters
@@ -38,11 +38,11 @@ def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
         campaign, twin and candidates.
     states
         (n_cells, n_parameters).
-    expected
-        (n_averages, n_gauges) readings that the calibrated twin predicts [microstrain].
+    missed
+        (n_averages, n_gauges) what the asset reads more than the twin before any effect.
     """
     at = _states_of(inputs, states)
-    ratio = ratios(inputs, states, expected)
+    expected, ratio = _predicted(inputs, states) + missed, ratios(inputs, states, missed)
     history = load_steps(inputs.campaign)
     columns = [np.zeros((0, expected.size))]
     for effect, places in inputs.effects():
@@ -64,17 +64,21 @@ def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
     return np.concatenate(columns)
 
 
-def ratios(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
+def ratios(inputs: Inputs, states: Floats, missed: Floats) -> Floats:
     """Return how many times the twin's (n_averages, n_gauges) the asset's readings are, 1 where both are small.
 
     Where a twin reads a share too little, what an effect changes is mostly that share too little as well.
     """
-    order, scale = list(inputs.order), SMALL * inputs.frame.scale
-    pairs = [(inputs.named(states[part.number]), part.load) for part in inputs.averages]
-    twins = np.array([inputs.twin.predict(state, load)[order] for state, load in pairs])
+    twins, scale = _predicted(inputs, states), SMALL * inputs.frame.scale
     own = twins**2 + scale**2  # 0 where the twin reads nothing in any reading of a kind
-    found = np.divide(expected * twins + scale**2, own, out=np.ones_like(own), where=own > 0.0)
+    found = np.divide((twins + missed) * twins + scale**2, own, out=np.ones_like(own), where=own > 0.0)
     return np.asarray(np.clip(found, 1.0 / MOST_RATIO, MOST_RATIO))
+
+
+def _predicted(inputs: Inputs, states: Floats) -> Floats:
+    """Return what the twin reads in every average (n_averages, n_gauges)."""
+    asked = [(inputs.named(states[part.number]), part.load) for part in inputs.averages]
+    return np.array([inputs.twin.predict(state, load) for state, load in asked])[:, list(inputs.order)]
 
 
 def exact_change(inputs: Inputs, states: Floats, candidate: Candidate, size: float) -> Floats:

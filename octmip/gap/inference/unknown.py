@@ -89,7 +89,7 @@ def _logs(model: LinearModel, root: Floats) -> Floats:
 
 def _roots(model: LinearModel) -> dict[str, Floats]:
     """Return by words for each kind of field a root (n, r) of its covariance over all rows, at unit size."""
-    inputs, gauge, share = model.inputs, model.gauge, model.means.rows.share[:, None]
+    inputs, gauge, share = model.inputs, model.gauge, model.rows.share[:, None]
     scale = inputs.frame.scale[gauge][:, None]
     rough = scale * np.eye(len(inputs.order))[gauge]
     smooth = inputs.frame.along(SMOOTH) + 1e-6 * np.eye(len(inputs.order))

@@ -65,7 +65,7 @@ def weigh_wrong_run(model: LinearModel) -> WrongRun:
     assert run is not None
     nodes, states = _nodes(inputs), _states(run, inputs)
     columns = np.column_stack([_of_effects(inputs, run, states), _of_states(inputs, run, nodes)])
-    slopes = [_slopes(inputs, run.averages, states, run.means.average, run.means.gauge)]
+    slopes = [_slopes(inputs, run.averages, states, run.rows.average, run.rows.gauge)]
     slopes += [_slopes(inputs, inputs.averages, model.states, model.average, model.gauge)]
     differences = (inputs.difference.at(model.level), usual, usual.at(2.0))  # the twin may well be good
     found, log_right = list[WrongRun](), list[float]()
@@ -101,11 +101,11 @@ def _weighed(
         (n_run, k) what the run alone has.
     """
     own, n = model.inputs.twin.twin, len(run.residual)
-    rows = (run.means.rows, model.means.rows)
+    rows = (run.rows, model.rows)
     covariance = np.block([[difference.covariance(a, b) for b in rows] for a in rows])
     covariance[:n, :n] += run.noise
     covariance[n:, n:] += model.noise + OPEN_STATE**2 * model.tangents @ model.tangents.T
-    residual = np.append(run.residual, model.means.measured - model.means.predicted)
+    residual = np.append(run.residual, model.rows.residual)
     departures = own.departures.values() if isinstance(own, FunctionTwin) else ()
     left = residual - slopes @ np.array([gone / sd for gone, sd in departures])
     opened = covariance + slopes @ slopes.T
@@ -132,8 +132,8 @@ def _states(run: Run, inputs: Inputs) -> Floats:
 def _of_effects(inputs: Inputs, run: Run, states: Floats) -> Floats:
     """Return what every candidate changes in the run's readings (n_run, n_candidates)."""
     as_campaign = replace(inputs, campaign=run.campaign, averages=run.averages, groups=(), run=None)
-    flat = run.means.average * len(inputs.order) + run.means.gauge
-    return np.asarray(signatures_of(as_campaign, states, run.means.expected)[:, flat].T)
+    flat = run.rows.average * len(inputs.order) + run.rows.gauge
+    return np.asarray(signatures_of(as_campaign, states, np.zeros((len(run.averages), len(inputs.order))))[:, flat].T)
 
 
 def _of_states(inputs: Inputs, run: Run, nodes: Floats) -> Floats:
@@ -141,7 +141,7 @@ def _of_states(inputs: Inputs, run: Run, nodes: Floats) -> Floats:
     order, found = list(inputs.order), np.zeros((len(run.residual), len(nodes)))
     for k, node in enumerate(nodes):
         there = np.array([inputs.twin.predict(inputs.named(node), cell.load)[order] for cell in run.averages])
-        found[:, k] = (there - run.means.expected)[run.means.average, run.means.gauge]
+        found[:, k] = there[run.rows.average, run.rows.gauge] - run.rows.predicted
     return found
 
 
@@ -188,7 +188,7 @@ def _by_state(inputs: Inputs, nodes: Floats, lengths: Floats, projection: Floats
 
 def _by_asset(model: LinearModel, run: Run, log_share: float) -> WrongRun:
     """Return the run of another asset, beside a campaign that is judged without it."""
-    inputs, usual, rows = model.inputs, model.inputs.usual, run.means.rows
+    inputs, usual, rows = model.inputs, model.inputs.usual, run.rows
     logs = [log_normal(run.noise + usual.at(level).covariance(rows, rows), run.residual) for level in OTHER_LEVELS]
     alone = replace(model, inputs=replace(inputs, run=None, difference=usual))
     of_levels = [alone.under(level).log_none + np.log(p) for level, p in levels_without_run(inputs).items()]
