@@ -196,8 +196,8 @@ def test_what_was_wrong_with_a_run_weighs_what_its_definition_says(wrong, words,
     twin = Beam(effects={name: own_effects()[name] for name in ("modulus", "temperature_uniform")})
     inputs = prepare(measured(2), twin, twin.effects, wrong)[0]
     model, run, usual = linearise(inputs, np.zeros((4, 2))), inputs.run, inputs.usual
-    rows, noises, n = (run.rows, model.rows), (run.noise, model.noise), len(run.residual)
-    rest = np.append(run.residual, model.rows.measured - model.rows.predicted)
+    rows, noises, n = (run.rows, model.rows), (run.noise, model.noise), len(run.rows.residual)
+    rest = np.append(run.rows.residual, model.rows.measured - model.rows.predicted)
 
     def of_run(change):
         loads = [run.averages[k].load for k in run.rows.average]

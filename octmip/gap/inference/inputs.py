@@ -91,11 +91,6 @@ class Run:
     noises: tuple[NoiseOfMeans, ...]
     noise: Floats
 
-    @property
-    def residual(self) -> Floats:
-        """(n,) readings less the twin's predictions."""
-        return self.rows.residual
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inputs:
@@ -274,7 +269,7 @@ def prepare(
 
 def relearnt(inputs: Inputs, run: Run) -> Inputs:
     """Return the inputs beside a run, the difference with what that alone says of it."""
-    rows, residual = run.rows, run.residual
+    rows, residual = run.rows, run.rows.residual
     usual = inputs.usual
     best = max(run.noises, key=lambda one: one.log_share + log_at_levels(usual, rows, residual, one.covariance))
     noise = best.covariance

@@ -253,7 +253,7 @@ def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:
         return Given(level, rows.constants @ departures, own + rows.constants @ rows.constants.T)
     whitening = Whitening.of(run.noise + difference.covariance(run.rows, run.rows))
     across = whitening.of_columns(difference.covariance(run.rows, rows))
-    left = whitening.of_columns(run.residual)
+    left = whitening.of_columns(run.rows.residual)
     covariance = own - across.T @ across + np.diag(ROUNDING * np.diag(own))  # what is left may be far below what it was
     return Given(level, across.T @ left, covariance, whitening.log_density(left))
 

@@ -100,12 +100,12 @@ def _weighed(
     columns
         (n_run, k) what the run alone has.
     """
-    own, n = model.inputs.twin.twin, len(run.residual)
+    own, n = model.inputs.twin.twin, len(run.rows.residual)
     rows = (run.rows, model.rows)
     covariance = np.block([[difference.covariance(a, b) for b in rows] for a in rows])
     covariance[:n, :n] += run.noise
     covariance[n:, n:] += model.noise + OPEN_STATE**2 * model.tangents @ model.tangents.T
-    residual = np.append(run.residual, model.rows.residual)
+    residual = np.append(run.rows.residual, model.rows.residual)
     departures = own.departures.values() if isinstance(own, FunctionTwin) else ()
     left = residual - slopes @ np.array([gone / sd for gone, sd in departures])
     opened = covariance + slopes @ slopes.T
@@ -138,7 +138,7 @@ def _of_effects(inputs: Inputs, run: Run, states: Floats) -> Floats:
 
 def _of_states(inputs: Inputs, run: Run, nodes: Floats) -> Floats:
     """Return what another state than the stated one changes in the run's readings (n_run, n_nodes), by node."""
-    order, found = list(inputs.order), np.zeros((len(run.residual), len(nodes)))
+    order, found = list(inputs.order), np.zeros((len(run.rows.residual), len(nodes)))
     for k, node in enumerate(nodes):
         there = np.array([inputs.twin.predict(inputs.named(node), cell.load)[order] for cell in run.averages])
         found[:, k] = there[run.rows.average, run.rows.gauge] - run.rows.predicted
@@ -189,7 +189,7 @@ def _by_state(inputs: Inputs, nodes: Floats, lengths: Floats, projection: Floats
 def _by_asset(model: LinearModel, run: Run, log_share: float) -> WrongRun:
     """Return the run of another asset, beside a campaign that is judged without it."""
     inputs, usual, rows = model.inputs, model.inputs.usual, run.rows
-    logs = [log_normal(run.noise + usual.at(level).covariance(rows, rows), run.residual) for level in OTHER_LEVELS]
+    logs = [log_normal(run.noise + usual.at(level).covariance(rows, rows), run.rows.residual) for level in OTHER_LEVELS]
     alone = replace(model, inputs=replace(inputs, run=None, difference=usual))
     of_levels = [alone.under(level).log_none + np.log(p) for level, p in levels_without_run(inputs).items()]
     total = float(logsumexp(of_levels)) + float(logsumexp(logs)) - float(np.log(len(logs))) + log_share
