@@ -11,7 +11,7 @@ cell, a shunt) answers yes or no about the effects it sees; its information is t
 reliability.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -235,11 +235,11 @@ def _entropy(weight: Floats) -> float:
 def _strain_information(model: LinearModel, fits: Sequence[Fit], weight: Floats, load: Load) -> float:
     """Return the lower bound on the information of a strain test at a load, in the first cell's state."""
     inputs = model.inputs
-    rows = _signatures_at(model, {j for fit in fits for j in fit.members}, load)
+    rows = {j: _row(model, j, load) for j in sorted({j for fit in fits for j in fit.members})}
     repeats = np.full(len(inputs.order), REPEATS)
     difference = difference_at(inputs, load, inputs.named(model.states[0]), model.level)[1]
     noise = inputs.noise.of_mean(repeats, load) + difference
-    columns = [_at_own_sizes(model, rows, f, load) for f in fits]
+    columns = [np.array([rows[j] for j in f.members]).reshape(-1, len(repeats)) for f in fits]
     means = [own.T @ f.size for own, f in zip(columns, fits, strict=True)]
     spreads = [noise + own.T @ f.covariance @ own for own, f in zip(columns, fits, strict=True)]
     logs = [np.linalg.slogdet(s)[1] for s in spreads]
@@ -247,31 +247,21 @@ def _strain_information(model: LinearModel, fits: Sequence[Fit], weight: Floats,
     return float(-np.sum(weight * np.log(near @ weight)))
 
 
-def _signatures_at(model: LinearModel, members: Collection[int], load: Load) -> Floats:
-    """Return signatures (n_candidates, n_gauges) at a load, in the first cell's state, at the end: 0 but of members."""
-    inputs = model.inputs
-    state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
-    rows = np.zeros((len(inputs.candidates), len(inputs.order)))
-    for j in members:
-        one = inputs.candidates[j]
-        if one.test in ("", inputs.last_test):
-            rows[j] = inputs.twin.signatures(one.effect, (one.place,), state, load, time)[0, list(inputs.order)]
-    return rows
+def _row(model: LinearModel, member: int, load: Load) -> Floats:
+    """Return what a unit of a member changes (n_gauges,) at a load, in the first cell's state, at the end.
 
-
-def _at_own_sizes(model: LinearModel, rows: Floats, fit: Fit, load: Load) -> Floats:
-    """Return the members' signatures (n_members, n_gauges) at a load: the chords of the model where it has them.
-
-    Two effects that change all readings alike at their sizes would seem to differ by their slopes.
+    At the size of its chord, where the model has one: two effects that change all readings alike at their sizes would
+    seem to differ by their slopes.
     """
-    inputs, found = model.inputs, rows[list(fit.members)]
+    inputs, one, size = model.inputs, model.inputs.candidates[member], model.chords.get(member, 0.0)
+    if one.test not in ("", inputs.last_test):
+        return np.zeros(len(inputs.order))
     state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
-    for k, j in enumerate(fit.members):
-        one, size = inputs.candidates[j], model.chords.get(j, 0.0)
-        if one.forward is not None and size and found[k].any() and one.name not in inputs.open:
-            there = one.forward(inputs.twin, state, load, size, one.place, time)
-            found[k] = ((np.asarray(there) - inputs.twin.predict(state, load)) / size)[list(inputs.order)]
-    return found
+    found = inputs.twin.signatures(one.effect, (one.place,), state, load, time)[0]
+    if one.forward is not None and size and found.any() and one.name not in inputs.open:
+        there = np.asarray(one.forward(inputs.twin, state, load, size, one.place, time))
+        found = (there - inputs.twin.predict(state, load)) / size
+    return found[list(inputs.order)]
 
 
 def _overlap(means: list[Floats], spreads: list[Floats], logs: list[float], i: int, j: int) -> float:
