@@ -166,12 +166,10 @@ def test_a_gauge_without_a_reading_has_no_mean_and_a_candidate_bears_its_place()
     readings[:3, 4] = np.nan
     means = [cell.mean for cell in replace(campaign, readings=readings).cells]
     assert np.argwhere(np.isnan(means)).tolist() == [[0, 4]]
-    names = [
-        one.words
-        for one in prepare(campaign, Beam(), {"dead": DEAD_GAUGE, **own_effects()}, noise_sd=3.0)[0].candidates
-    ]
-    assert names[:2] == ["dead_gauge (g01)", "dead_gauge (g02)"]
-    assert names[20] == "modulus"
+    found = prepare(campaign, Beam(), {"dead": DEAD_GAUGE, **own_effects()}, noise_sd=3.0)[0].candidates
+    names = [(one.name, one.place) for one in found]
+    assert names[:2] == [("dead_gauge", "g01"), ("dead_gauge", "g02")]
+    assert names[20] == ("modulus", "")
 
 
 def test_the_typical_reading_of_a_unit_is_a_root_mean_square():

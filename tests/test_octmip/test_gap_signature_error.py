@@ -31,8 +31,8 @@ def inference_of(twin, campaign):
     return Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
 
 
-def candidate(model, words):
-    return next(k for k, c in enumerate(model.inputs.candidates) if c.words == words)
+def candidate(model, name):
+    return next(k for k, c in enumerate(model.inputs.candidates) if c.name == name)
 
 
 OFF = SHAPE * (1.0 + 0.05 * np.random.default_rng(6).standard_normal(20))

@@ -92,11 +92,6 @@ class Candidate:
         forward: Forward | None = getattr(self.effect, "predict", None)
         return forward
 
-    @property
-    def words(self) -> str:
-        """Name and place."""
-        return f"{self.name} ({self.place})" if self.place else self.name
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Priors:
