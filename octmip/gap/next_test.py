@@ -261,7 +261,7 @@ def _row(model: LinearModel, member: int, load: Load) -> Floats:
     if one.forward is not None and size and found.any() and one.name not in inputs.open:
         there = np.asarray(one.forward(inputs.twin, state, load, size, one.place, time))
         found = (there - inputs.twin.predict(state, load)) / size
-    return found[list(inputs.order)]
+    return np.asarray(found[list(inputs.order)])
 
 
 def _overlap(means: list[Floats], spreads: list[Floats], logs: list[float], i: int, j: int) -> float:
