@@ -141,6 +141,18 @@ def is_missing_word(cell: str) -> bool:
     return word in MISSING_WORDS or (".#" in word and word.rstrip("0") in MISSING_WORDS)
 
 
+def truths_in(cells: Iterable[object]) -> dict[str, bool] | None:
+    """Return which texts say true or false, where no other cell is there but words for a missing one; else None."""
+    said: dict[str, bool] = {}
+    for cell in set(cells):
+        word = cell.strip().lower() if isinstance(cell, str) else ""
+        if word in ("true", "false"):
+            said[str(cell)] = word == "true"
+        elif not is_missing_word(str(cell)):
+            return None
+    return said or None
+
+
 def plain_number(cell: str) -> float | None:
     """Return the number in a cell, infinite and NaN among them, or None; digits of other scripts and 1_000 are text."""
     if not cell.isascii() or "_" in cell:  # Python would take both

@@ -87,7 +87,15 @@ ROWS = [
     for later in every
     for column in ("x", "state")
 ]
+TRUTHS = ("TRUE", "FALSE", "NA"), ("true", "false", "missing"), ("True", "False", "None"), (True, False, None)
 ROWS += [
+    Row("octmip predict, x", "R, Julia, pandas", f"{one}, then {two}", partial(pair, "x", one, two), errors, 0)
+    for one in TRUTHS
+    for two in TRUTHS
+]
+NO_LABEL = partial(pair, "state", ("TRUE", "FALSE", "NA"), ("TRUE", "FALSE"))
+ROWS += [
+    Row("octmip solve", "R", "a label of NA", NO_LABEL, errors, Refused(("'NA' among true and false", "12 such"))),
     Row("octmip solve", "pandas", "an index with a name", of("ab", index=True), notes, LEFT_OUT),
     Row("octmip solve", "pandas", "an index without a name", of("ab", index=False), notes, []),
     Row(

@@ -19,7 +19,7 @@ from octmip.formats.columns.instants import zone_of
 from octmip.formats.columns.spellings import DAYS, ISO
 from octmip.formats.columns.times import days_in, read_times, zone_in
 from octmip.formats.columns.written import form_of, is_date, read_texts, unit_of, words_of
-from octmip.input.cells import BEYOND, beyond_exact, is_beyond, is_missing_word, plain_number
+from octmip.input.cells import BEYOND, beyond_exact, is_beyond, is_missing_word, plain_number, truths_in
 from octmip.input.messages import MOST_NAME, shown
 
 UNKNOWN = "?"
@@ -96,7 +96,7 @@ def _stored_as(series: "pd.Series[Any]") -> Stored:
         return "truths"
     present = series[series.notna()] if series.dtype.kind not in "iufcmM" else ()
     if any(isinstance(cell, str) for cell in present):
-        return "texts"
+        return "truths" if truths_in(present) else "texts"
     return "truths" if len(present) and all(isinstance(cell, bool | np.bool_) for cell in present) else "numbers"
 
 
@@ -198,7 +198,8 @@ def _objects(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str 
     odd = next((cell for cell in present if not isinstance(cell, KINDS)), None)
     if odd is not None:
         raise DataError(f"holds {shown(str(odd))} of type {type(odd).__name__}; expected numbers or text")
-    numbers = _numbers_among(cells, is_missing)
+    said = truths_in(present)
+    numbers = _numbers_among(cells, is_missing) if said is None else np.array([said.get(c, math.nan) for c in cells])
     if numbers is not None:
         return _numbers(numbers, np.isnan(numbers))
     read = _written(cells, is_missing, form)

@@ -20,7 +20,15 @@ from octmip.formats.table.layout import layout_of
 from octmip.formats.table.parquet import read_parquet
 from octmip.formats.table.source import Source, open_source
 from octmip.formats.table.units import factor_between
-from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact, is_missing_word, plain_number, text_by_number
+from octmip.input.cells import (
+    BEYOND,
+    EXACT_INTEGERS,
+    beyond_exact,
+    is_missing_word,
+    plain_number,
+    text_by_number,
+    truths_in,
+)
 from octmip.input.files import PathLike
 from octmip.input.messages import MOST_NAME, several, shown
 
@@ -138,7 +146,7 @@ class Table:
         cells = column[~is_missing]
         if not all(isinstance(value, Hashable) for value in cells):  # lists and objects are no words
             return is_missing
-        words = {value for value in set(cells) if not _is_number(value)}
+        words = {value for value in set(cells) if not _is_number(value)} - set(truths_in(cells) or ())
         if len(words) < column.nunique() and all(is_missing_word(str(word)) for word in words):
             is_missing = is_missing | column.isin(words).to_numpy()
         return is_missing
@@ -248,7 +256,7 @@ class Table:
         return labels
 
     def _refuse_words(self, name: str, labels: NDArray[Any]) -> None:
-        """Refuse a word that no page can bear, and "NA" among numbers; among words it is a class like any other."""
+        """Refuse a word that no page can bear, and "NA" among numbers or truths; among words it is a class."""
         lengths = [len(label) for label in labels]
         if max(lengths) > MOST_NAME:
             row = lengths.index(max(lengths))
@@ -256,11 +264,13 @@ class Table:
                 f"{self.place(row, name)}: {shown(labels[row])} has {max(lengths)} characters; expected at most "
                 f"{MOST_NAME}; name every class by a word"
             )
-        words = {label for label in set(labels) if not _is_number(label)}
+        said = truths_in(labels)
+        words = {label for label in set(labels) if not _is_number(label)} - set(said or ())
         rows = [row for row, label in enumerate(labels) if label in words]
         if 0 < len(rows) < len(labels) and all(map(is_missing_word, words)):
+            others = "numbers" if said is None else "true and false"
             raise DataError(
-                f"{self.place(rows[0], name)}: {shown(labels[rows[0]])} among numbers "
+                f"{self.place(rows[0], name)}: {shown(labels[rows[0]])} among {others} "
                 f"({len(rows)} such row{'s' * (len(rows) != 1)}); expected a label in every row; "
                 f"{UNLABELLED}, or name every class by a word"
             )

@@ -89,7 +89,7 @@ class Cells:
             words = [f"'{word}'" for word in ("", UNKNOWN) if word not in self.column.values]
             is_nothing = f" OR {self.text} IN ({', '.join(words)})" if words else ""
             return f"({self.quoted} IS NULL{is_nothing})"
-        is_text = self.column.stored == "texts"
+        is_text = self.column.stored != "numbers"
         text, nothing = (f"TRIM({self.text})", NOTHING["texts"]) if is_text else (self.text, NOTHING["numbers"])
         return f"({self.quoted} IS NULL OR LOWER({text}) IN ({nothing}))"
 
