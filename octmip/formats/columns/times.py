@@ -25,8 +25,10 @@ from octmip.errors import DataError
 from octmip.formats.columns.instants import days_of
 from octmip.formats.columns.spellings import (
     AFTER_OFFSET,
+    AFTERNOON,
     DAYS,
     DURATIONS,
+    HALF,
     ISO,
     LOOKS,
     MINUTES,
@@ -198,6 +200,7 @@ def _stamped(column: "pd.Series[Any]") -> tuple[Integers, Integers] | None:
 def _parsed(text: str, form: str) -> tuple[int, int] | None:
     """Return whole days since 1970-01-01 and nanoseconds of the day of one text; None where it is not of the form."""
     text = AFTER_OFFSET.sub(r"\1", unicodedata.normalize("NFKC", text))  # narrow blanks before AM and PM
+    text = HALF.sub(lambda found: f"{found['clock']} {'pm' if found['half'] in AFTERNOON else 'am'}", text)
     if form == DAYS:
         return _first(_duration, (pattern.fullmatch(text) for pattern in DURATIONS))
     weekday = WEEKDAY.match(text)
@@ -257,7 +260,7 @@ def _month(part: dict[str, Any]) -> int:
 
 def _clock(part: dict[str, Any]) -> int | None:
     """Return the nanoseconds of a time of day, up to 24:00, 0 where none is written; None where there is none such."""
-    hours, minutes, seconds = (int(part.get(key) or part.get(f"{key}3") or 0) for key in "HMS")
+    hours, minutes, seconds = (int(part.get(key) or part.get(f"{key}3") or part.get(f"{key}4") or 0) for key in "HMS")
     fraction = int((part.get("f") or part.get("f3") or "0").ljust(9, "0"))
     half = (part.get("p") or part.get("p2") or "").lower()
     if half and not 1 <= hours <= 12:

@@ -23,16 +23,34 @@ _QUANTITIES = {
         "in": 0.0254,
         "ft": 0.3048,
     },
-    "strain": {"strain": 1.0, "m/m": 1.0, "mm/m": 1e-3, "millistrain": 1e-3, "um/m": 1e-6, "ue": 1e-6, "nm/m": 1e-9}
+    "strain": {
+        "strain": 1.0,
+        "m/m": 1.0,
+        "mm/m": 1e-3,
+        "millistrain": 1e-3,
+        "mε": 1e-3,
+        "in/in": 1.0,
+        "uin/in": 1e-6,
+        "um/m": 1e-6,
+        "ue": 1e-6,
+        "nm/m": 1e-9,
+    }
     | dict.fromkeys(("microstrain", "ustrain", "ustr", "umm/mm", "uε", "uɛ", "uE", "uepsilon"), 1e-6)
     | dict.fromkeys(("ppm", "10^-6", "1e-6", "1E-6"), 1e-6),
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "mN": 1e-3, "daN": 10.0, "lbf": 4.4482216152605, "kgf": 9.80665},
-    "moment": {"Nm": 1.0, "N m": 1.0, "N*m": 1.0, "N.m": 1.0, "kNm": 1e3, "Nmm": 1e-3},
+    "moment": {
+        f"{force}{sign}{arm}": newtons * metres
+        for force, newtons in {"N": 1.0, "kN": 1e3, "MN": 1e6, "mN": 1e-3, "daN": 10.0}.items()
+        for sign in ("", " ", "*", ".", "-")
+        for arm, metres in {"m": 1.0, "cm": 1e-2, "mm": 1e-3}.items()
+    }
+    | dict.fromkeys(("lbf ft", "lbf*ft", "lbf-ft", "lb-ft", "ft-lb", "ft-lbf", "ft lbf", "ft*lbf"), 1.3558179483314004)
+    | dict.fromkeys(("lbf in", "lbf*in", "lbf-in", "lb-in", "in-lb", "in-lbf", "in lbf", "in*lbf"), 0.1129848290276167),
     "stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6, "MN/m": 1e6, "N/um": 1e6},
     "stiffness against turning": {"Nm/rad": 1.0, "N m/rad": 1.0, "kNm/rad": 1e3, "kN m/rad": 1e3},
     "frequency": {"Hz": 1.0, "1/s": 1.0, "kHz": 1e3, "MHz": 1e6, "mHz": 1e-3, "rpm": 1 / 60, "1/min": 1 / 60},
     "pressure": {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "bar": 1e5, "mbar": 1e2}
-    | {"psi": 6894.757293168},
+    | {"psi": 6894.757293168, "kgf/cm2": 98066.5, "kg/cm2": 98066.5, "kgf/mm2": 9.80665e6},
     "time": {
         "s": 1.0,
         "sec": 1.0,
@@ -46,7 +64,9 @@ _QUANTITIES = {
     }
     | {"second": 1.0, "seconds": 1.0, "minutes": 60.0, "hours": 3600.0, "days": 86400.0},
     "speed": {"m/s": 1.0, "mm/s": 1e-3, "km/h": 1 / 3.6, "kn": 1852 / 3600},
-    "acceleration": {"m/s2": 1.0, "m/s^2": 1.0, "m/s**2": 1.0, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
+    "acceleration": {"m/s2": 1.0, "m/s^2": 1.0, "m/s**2": 1.0, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3}
+    | dict.fromkeys(("m s-2", "m*s-2", "m s^-2", "m/s/s"), 1.0)
+    | dict.fromkeys(("gn", "g_n"), 9.80665),
     "mass": {"kg": 1.0, "t": 1e3},
     "voltage": {"V": 1.0, "Volt": 1.0, "Volts": 1.0, "mV": 1e-3, "uV": 1e-6, "kV": 1e3},
     "ratio of voltages": {"V/V": 1.0, "mV/V": 1e-3, "uV/V": 1e-6},
@@ -55,8 +75,12 @@ _QUANTITIES = {
     "power": {"W": 1.0, "mW": 1e-3, "kW": 1e3},
     "angle": {"rad": 1.0, "mrad": 1e-3, "deg": 0.017453292519943295, "°": 0.017453292519943295},
     "rate of turn": {"rad/s": 1.0, "deg/s": 0.017453292519943295, "°/s": 0.017453292519943295},
-    "share": {"-": 1.0, "1": 1.0, "%": 1e-2, "pct": 1e-2, "‰": 1e-3},
-    "temperature in degrees Celsius": dict.fromkeys(("degC", "deg C", "°C", "C", "Deg C", "celsius"), 1.0),
+    "share": {"-": 1.0, "1": 1.0, "%": 1e-2, "pct": 1e-2, "‰": 1e-3}
+    | dict.fromkeys(("%RH", "% RH", "%rH", "% rH", "RH%", "%rF", "% r.F."), 1e-2),
+    "temperature in degrees Celsius": dict.fromkeys(
+        ("degC", "deg C", "°C", "C", "Deg C", "celsius", "oC", "Deg. C", "deg. C"), 1.0
+    )
+    | dict.fromkeys(("Degrees C", "degrees C", "DegC", "°Celsius"), 1.0),
     "temperature in kelvin": {"K": 1.0, "kelvin": 1.0},
     "temperature in degrees Fahrenheit": dict.fromkeys(("degF", "°F", "deg F", "F"), 1.0),
 }

@@ -29,6 +29,8 @@ OWN = {TEST: (TEST,), TIME: (TIME, "timestamp", "datetime", "zeit", "uhrzeit"), 
 """What a campaign has beside what the twin names, and how files call it, in any case."""
 DAY_NAMES = ("date", "day", "datum")
 """Names of a column with the day of a time of day."""
+UNIT_COLUMN = re.compile(r"(?P<name>.*[^\s_.(\[-])[\s_.(\[-]+(?:units?|einheit)[)\]]?", re.IGNORECASE)
+"""The name of a column that holds the unit of another one in every row: tip_unit."""
 SECONDS = 86_400
 NUMBER_LIKE = re.compile(r"[-+]?\d[\d., '\u00a0\u202f]*")
 SPAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?) ?([^\W\d]+)")
@@ -318,6 +320,9 @@ def read_columns(
                 f"expected its name; write {meant!r}"
             )
     _refuse_absent(table, place, gauges, loads)
+    beside = {column: name for column in unused if (name := _of_units(column, place))}
+    given |= {name: _unit_in(table, column) for column, name in beside.items()}
+    unused = [column for column in unused if column not in beside]
     notes = table.notes
     unused = [column for column in unused if column.strip().lower() not in DAY_NAMES]
     if unused:
@@ -328,6 +333,29 @@ def read_columns(
         named = ", ".join(f"{name} in {given[name]}" for name in unchecked)
         notes += (f"The twin says no unit of its loads and states, so that of the file is not checked: {named}.",)
     return CampaignColumns(table, MappingProxyType(place), MappingProxyType(given), notes)
+
+
+def _of_units(column: str, place: Mapping[str, str]) -> str:
+    """Return the twin's name of what a column says the unit of, "" where it says none."""
+    found = UNIT_COLUMN.fullmatch(column.strip())
+    return "" if found is None else next((k for k, own in place.items() if found["name"] in (k, own)), "")
+
+
+def _unit_in(table: Table, column: str) -> str:
+    """Return the unit that stands in all rows of a column.
+
+    Raises
+    ------
+    DataError
+        there are two.
+    """
+    found = sorted({str(cell).strip() for cell in table.frame[column].dropna()} - {""})
+    if len(found) > 1:
+        raise DataError(
+            f"{table.name}: column {column!r} holds the units {several(found, 4)}; expected one in every row; convert "
+            "the readings to it"
+        )
+    return next(iter(found), "")
 
 
 def _known(column: str, known: Sequence[str]) -> tuple[str, str]:

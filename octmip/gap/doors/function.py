@@ -193,7 +193,9 @@ class FunctionTwin:
         return {name: float(given[name]) for name in self.loads}
 
     def _readings(self, answer: Any) -> Floats:
-        """Return an answer as numbers in the order of the card."""
+        """Return an answer as numbers in the order of the card; one column of an array is an answer too."""
+        if isinstance(answer, np.ndarray) and answer.shape == (len(self.gauges), 1) and answer.dtype.names is None:
+            answer = answer[:, 0]
         try:
             rows, _ = by_name(answer, self.gauges, "the model's answer")
         except DataError as error:

@@ -14,6 +14,7 @@ from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.options.page import masthead_of, units_of_options
 from octmip.interfaces.cli.recorded import table_of
 from octmip.interfaces.cli.stages import StageLine
+from octmip.interfaces.cli.streams import prints_aside
 
 EXPECTED = (
     "octmip diagnose: a twin of finite elements takes about a minute, one of formulas a few seconds; Ctrl-C ends it."
@@ -27,7 +28,7 @@ def run(arguments: argparse.Namespace) -> int:
             "octmip.interfaces.report.diagnosis.page"
         )  # a missing extra is said before the work, not after it
     masthead = masthead_of(arguments, is_page=bool(arguments.out))
-    with StageLine("starting", EXPECTED) as line:
+    with StageLine("starting", EXPECTED) as line, prints_aside():
         diagnosis = _diagnosed(arguments, line)
     _show(arguments, diagnosis, masthead)
     return 0

@@ -13,6 +13,7 @@ from octmip.interfaces.cli.answer import print_json
 from octmip.interfaces.cli.monitor_folder import summary_of, words_of, write_monitor
 from octmip.interfaces.cli.monitor_loop import run_loop
 from octmip.interfaces.cli.stages import StageLine
+from octmip.interfaces.cli.streams import prints_aside
 from octmip.sensing.enrichment import PartOf
 from octmip.sensing.monitor_design import design_monitor
 from octmip.trees.answer.solution import Limits
@@ -21,7 +22,8 @@ from octmip.twin import Twin, load_of, load_words, loads_of, units_of
 
 def run(arguments: argparse.Namespace) -> int:
     """Make the folder and show what the trees are worth."""
-    twin = CachedTwin(open_twin(arguments.twin, arguments.card, arguments.linear))
+    with prints_aside():
+        twin = CachedTwin(open_twin(arguments.twin, arguments.card, arguments.linear))
     settings: dict[str, Any] = {
         "costs": {name: cost for words in arguments.cost for name, cost in _numbers(words, "--cost").items()},
         "depth": arguments.depth,
@@ -41,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     with whole_folder(arguments.out) as passing:
         for k, load in enumerate(loads, start=1):
             part = f"load-{k}" if len(loads) > 1 else ""
-            with StageLine(f"monitoring at {_at(twin, load)}"):
+            with StageLine(f"monitoring at {_at(twin, load)}"), prints_aside():
                 design = design_monitor(told, load, **settings)
                 write_monitor(passing / part, design, twin)
             found.append(summary_of(design, load, Path(arguments.out) / part))

@@ -18,6 +18,7 @@ from octmip.input.names import visible
 from octmip.interfaces.cli.answer import print_json, print_notes
 from octmip.interfaces.cli.monitor_folder import write_monitor
 from octmip.interfaces.cli.stages import StageLine
+from octmip.interfaces.cli.streams import prints_aside
 from octmip.interfaces.report.change import change_page
 from octmip.interfaces.report.text import number
 from octmip.monitor import ModelSelector, ParameterTree
@@ -40,7 +41,7 @@ def run_loop(arguments: argparse.Namespace, twin: Twin, settings: dict[str, Any]
     if arguments.inspected:  # refused before anything is watched
         PartOf(twin, (arguments.inspected,))
     readings, loads, notes = _series(arguments.readings, twin, selector)
-    with StageLine("watching"):
+    with StageLine("watching"), prints_aside():
         seen = watched(twin, selector, readings, loads)
     found: dict[str, Any] = {"readings": arguments.readings, "deployed": str(old), "watch": _watch_json(seen)}
     found["notes"] = list(notes)
@@ -52,7 +53,7 @@ def run_loop(arguments: argparse.Namespace, twin: Twin, settings: dict[str, Any]
         since = seen.finding.since if seen.finding else 0
         settings |= {"depth": max(arguments.depth, *(depth(one.tree) for one in trees))}
         with whole_folder(out) as passing:
-            with StageLine(f"training trees that know {added}"):
+            with StageLine(f"training trees that know {added}"), prints_aside():
                 enriched = enrich(twin, selector, trees, readings, loads, added, since, **settings)
                 write_monitor(passing, enriched.design, twin)
             found |= _change_json(enriched, trees)

@@ -4,9 +4,11 @@ What a command found is written to its files first, and what cannot be shown is 
 error holds words alone: where nobody can read them the command goes on.
 """
 
+import contextlib
 import io
 import os
 import sys
+from collections.abc import Iterator
 
 
 class Unheard(io.FileIO):
@@ -39,3 +41,17 @@ def open_streams() -> None:
         errors="backslashreplace",
         line_buffering=True,
     )
+
+
+@contextlib.contextmanager
+def prints_aside() -> Iterator[None]:
+    """Send to standard error whatever a model prints, programs that it starts too: standard output is the answer's."""
+    sys.stdout.flush()
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(contextlib.redirect_stdout(sys.stderr))
+        with contextlib.suppress(OSError):  # a process that has no such streams, beneath those of Python
+            kept = os.dup(1)
+            stack.callback(os.close, kept)
+            stack.callback(os.dup2, kept, 1)
+            os.dup2(2, 1)
+        yield
