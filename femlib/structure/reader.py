@@ -20,6 +20,7 @@ The nodes of every element set are a node set of the same name.
 import contextlib
 import io
 import re
+import tempfile
 import warnings
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -65,6 +66,8 @@ UNREAD = {
 """What meshio does not read of a .vtu file, and the reason that it does not give."""
 OLD_GMSH = re.compile(rb"\s*(?:\$NOD\s|\$MeshFormat\s+(?!4\.1|2\.2)([0-9.]{1,4}) )")
 """Beginning of a file of another version of gmsh's format than meshio reads."""
+OF_RESULTS = re.compile(rb"\$(NodeData|ElementData|ElementNodeData)\s.*?\$End\1\s*", re.DOTALL)
+"""Results in a file of gmsh, no part of the mesh: meshio refuses those of some nodes or elements alone."""
 OWN_SETS = ("gmsh:geometrical", "gmsh:bounding_entities", "gmsh:dim_tags", "cell_tags", "point_tags")
 """What meshio keeps of gmsh's geometry, and of MED's families; no set of the user's."""
 
@@ -169,7 +172,7 @@ def _read_by_meshio(path: Path, kind: str, reader: Any) -> FileMesh:
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said), limited_memory(ROOM + ROOM_PER_BYTE * len(content)):
-            mesh = reader.read(str(path))
+            mesh = _without_results(path, content, reader) if kind == "gmsh" else reader.read(str(path))
             if kind == "gmsh":
                 add_groups(mesh, content)
     except Exception as error:  # a reader fails in any way at what is not its format
@@ -183,6 +186,16 @@ def _read_by_meshio(path: Path, kind: str, reader: Any) -> FileMesh:
     if said.getvalue():  # a block that is not closed, an entry that is skipped: what is read is not the whole file
         raise _unreadable(path, kind, said.getvalue())
     return _of_meshio(mesh)
+
+
+def _without_results(path: Path, content: bytes, reader: Any) -> Any:
+    """Return meshio's mesh of a file of gmsh; one with results is read from a copy without them."""
+    if not OF_RESULTS.search(content):
+        return reader.read(str(path))
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder, path.name)
+        copy.write_bytes(OF_RESULTS.sub(b"", content))
+        return reader.read(str(copy))
 
 
 def _of_meshio(source: object) -> FileMesh:

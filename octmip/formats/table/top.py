@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from octmip.errors import DataError
 from octmip.formats.table.lines import (
@@ -163,11 +163,10 @@ def _header(
     if above is not None and abs(len(above.cells) - n_cells) == 1 and not all(map(is_value, above.cells)):
         return above.number, above.cells, first
     number = rows[first].number if first < len(rows) else 1
-    for k, line in reversed(lines):
-        if k < number and is_comment(line, separator):
-            found = next(split_rows([(k, comment_text(line))], separator), None)
-            if found is not None and len(found.cells) == n_cells and not any(map(is_value, found.cells)):
-                return k, found.cells, first
+    comments = [(k, comment_text(line)) for k, line in lines if k < number and is_comment(line, separator)]
+    found = _names_in(comments, separator, n_cells)
+    if found is not None:
+        return found.number, found.cells, first
     if above is None:  # the names are numbers
         return rows[start].number, rows[start].cells, first + 1
     raise DataError(
@@ -175,6 +174,20 @@ def _header(
         f"above has {len(above.cells)} cell{'s' * (len(above.cells) != 1)}; expected a header line with a name for "
         "each column above them, and one separator; add it, or give every row as many cells"
     )
+
+
+def _names_in(comments: Sequence[tuple[int, str]], separator: str, n_cells: int) -> Line | None:
+    """Return the last comment with a name for each column; OpenFOAM counts probes there, and names times below."""
+    below = ""
+    for comment in reversed(comments):
+        found = next(split_rows([comment], separator), None)
+        if found is None:
+            continue
+        counted = found.cells[1:] == tuple(map(str, range(n_cells - 1))) and not is_value(found.cells[0])
+        if len(found.cells) == n_cells and (counted or not any(map(is_value, found.cells))):
+            return replace(found, cells=(below or found.cells[0], *found.cells[1:])) if counted else found
+        below = found.cells[0] if len(found.cells) == 1 else ""
+    return None
 
 
 def _is_whole(names: Sequence[str]) -> bool:

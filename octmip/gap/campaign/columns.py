@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -85,8 +86,7 @@ class CampaignColumns:
 
     def texts(self, name: str) -> tuple[str, ...]:
         """Return the cells (n_rows,) of a column as text, spaces stripped, "" where empty."""
-        cells = self.table.frame[self.place[name]]
-        return tuple("" if gone else str(cell).strip() for cell, gone in zip(cells, cells.isna(), strict=True))
+        return _texts_of(self.table.frame[self.place[name]])
 
     def floats(self, name: str, words: bool = False, infinite: bool = False) -> Floats:
         """Return the numbers (n_rows,) of a column in the file's unit, NaN where the cell is empty.
@@ -240,9 +240,9 @@ class CampaignColumns:
         at = dict(zip(present, (days * SECONDS + rest / 1e9).tolist(), strict=True))
         seconds = np.array([at.get(text, np.nan) for text in texts])
         if form == DAYS:
-            return seconds, (
-                f"Column time is read as {words_of(form).replace('in days (6:00 is 0.25)', 'in seconds')}.",
-            )
+            words = words_of(form).replace("in days (6:00 is 0.25)", "in seconds")
+            seconds, told_days = _past_midnight(seconds)
+            return seconds, (f"Column time is read as {words}.{told_days}",)
         return self._from_first(seconds - np.nanmin(seconds), words_of(form).partition(", in days")[0] + why)
 
     def _rising(self, texts: Sequence[str], present: Sequence[str]) -> tuple[str, str]:
@@ -269,13 +269,27 @@ class CampaignColumns:
     def _day(self) -> tuple[str, ...] | None:
         """Return the days (n_rows,) of times of day, None where no column has them."""
         name = next((one for one in self.table.columns if one.strip().lower() in DAY_NAMES), None)
-        if name is None:
-            return None
-        cells = self.table.frame[name]
-        return tuple("" if gone else str(cell).strip() for cell, gone in zip(cells, cells.isna(), strict=True))
+        return None if name is None else _texts_of(self.table.frame[name])
 
     def _from_first(self, seconds: Floats, form: str = "dates") -> tuple[Floats, tuple[str, ...]]:
         return seconds, (f"Column {self.place[TIME]} is read as {form}; time counts in seconds from the first.",)
+
+
+def _texts_of(cells: "pd.Series[Any]") -> tuple[str, ...]:
+    return tuple("" if gone else str(cell).strip() for cell, gone in zip(cells, cells.isna(), strict=True))
+
+
+def _past_midnight(seconds: Floats) -> tuple[Floats, str]:
+    """Return times of day (n_rows,) that fall at midnight alone as times that rise, and that; others as they are."""
+    known = np.isfinite(seconds)
+    own = seconds[known]
+    falls = np.diff(own, prepend=own[:1]) < -SECONDS / 2
+    risen = own + SECONDS * np.cumsum(falls)
+    if not falls.any() or own.min() < 0.0 or own.max() > SECONDS or (np.diff(risen) < 0.0).any():
+        return seconds, ""
+    out = seconds.copy()
+    out[known] = risen
+    return out, f" They pass midnight {int(falls.sum())} time{'s' * (int(falls.sum()) != 1)}, and go on."
 
 
 def _seconds_of(spans: "pd.Series[pd.Timedelta]") -> Floats:
@@ -349,7 +363,7 @@ def _unit_in(table: Table, column: str) -> str:
     DataError
         there are two.
     """
-    found = sorted({str(cell).strip() for cell in table.frame[column].dropna()} - {""})
+    found = sorted(set(_texts_of(table.frame[column])) - {""})
     if len(found) > 1:
         raise DataError(
             f"{table.name}: column {column!r} holds the units {several(found, 4)}; expected one in every row; convert "
