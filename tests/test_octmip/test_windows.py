@@ -116,8 +116,9 @@ def test_units_that_the_table_lacks_are_those_of_pint_and_angles_stay_angles(giv
     assert factor_between(given, wanted) == (None if factor is None else pytest.approx(factor))
 
 
-OTHER_IN_PINT = {"ue", "Nm", "kNm", "mNm", "MNm", "Ncm", "Nmm", "Nm/rad", "kNm/rad", "rpm", "g", "mg", "pct", "kg/cm2"}
-"""Electronvolts, nanometres, radians a minute, grams."""
+OTHER_IN_PINT = {"ue", "Nm", "kNm", "mNm", "MNm", "daNm", "Nm/rad", "kNm/rad", "rpm", "g", "mg", "pct", "kg/cm2"}
+OTHER_IN_PINT |= {"%RH", "% RH", "%rH", "% rH", "RH%", "%rF"}
+"""Electronvolts, nanometres, radians a minute, grams, masses on areas, Rydberg's constants, Henrys, Farads."""
 
 
 def test_a_unit_of_the_table_is_as_large_as_in_pint():

@@ -287,3 +287,16 @@ def _duration(part: dict[str, Any]) -> tuple[int, int] | None:
 def is_time_text(text: str) -> bool:
     """Whether a text is a time in some form."""
     return any(_parsed(text.strip(), form) is not None for form in TIMES)
+
+
+def past_midnight(seconds: Floats) -> tuple[Floats, str]:
+    """Return times of day (n_rows,) that fall at midnight alone as times that rise, and that; others as they are."""
+    known, day = np.isfinite(seconds), NANOSECONDS / 1e9
+    own = seconds[known]
+    falls = np.diff(own, prepend=own[:1]) < -day / 2
+    risen = own + day * np.cumsum(falls)
+    if not falls.any() or own.min() < 0.0 or own.max() > day or (np.diff(risen) < 0.0).any():
+        return seconds, ""
+    out = seconds.copy()
+    out[known] = risen
+    return out, f" They pass midnight {int(falls.sum())} time{'s' * (int(falls.sum()) != 1)}, and go on."

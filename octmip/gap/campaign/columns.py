@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.columns.spellings import DAYS, ISO
-from octmip.formats.columns.times import days_in, instants_of, plain_instants_of, time_form_of, time_forms_of
+from octmip.formats.columns.times import (
+    days_in,
+    instants_of,
+    past_midnight,
+    plain_instants_of,
+    time_form_of,
+    time_forms_of,
+)
 from octmip.formats.columns.written import DIGITS, form_of, read_texts, words_of
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.units import factor_between, is_unit, unit_behind
@@ -30,7 +37,7 @@ OWN = {TEST: (TEST,), TIME: (TIME, "timestamp", "datetime", "zeit", "uhrzeit"), 
 """What a campaign has beside what the twin names, and how files call it, in any case."""
 DAY_NAMES = ("date", "day", "datum")
 """Names of a column with the day of a time of day."""
-UNIT_COLUMN = re.compile(r"(?P<name>.*[^\s_.(\[-])[\s_.(\[-]+(?:units?|einheit)[)\]]?", re.IGNORECASE)
+UNIT_COLUMN = re.compile(r"(?P<name>.*[^\s_.-])[\s_.-]+(?:units?|einheit)", re.IGNORECASE)
 """The name of a column that holds the unit of another one in every row: tip_unit."""
 SECONDS = 86_400
 NUMBER_LIKE = re.compile(r"[-+]?\d[\d., '\u00a0\u202f]*")
@@ -241,7 +248,7 @@ class CampaignColumns:
         seconds = np.array([at.get(text, np.nan) for text in texts])
         if form == DAYS:
             words = words_of(form).replace("in days (6:00 is 0.25)", "in seconds")
-            seconds, told_days = _past_midnight(seconds)
+            seconds, told_days = past_midnight(seconds)
             return seconds, (f"Column time is read as {words}.{told_days}",)
         return self._from_first(seconds - np.nanmin(seconds), words_of(form).partition(", in days")[0] + why)
 
@@ -277,19 +284,6 @@ class CampaignColumns:
 
 def _texts_of(cells: "pd.Series[Any]") -> tuple[str, ...]:
     return tuple("" if gone else str(cell).strip() for cell, gone in zip(cells, cells.isna(), strict=True))
-
-
-def _past_midnight(seconds: Floats) -> tuple[Floats, str]:
-    """Return times of day (n_rows,) that fall at midnight alone as times that rise, and that; others as they are."""
-    known = np.isfinite(seconds)
-    own = seconds[known]
-    falls = np.diff(own, prepend=own[:1]) < -SECONDS / 2
-    risen = own + SECONDS * np.cumsum(falls)
-    if not falls.any() or own.min() < 0.0 or own.max() > SECONDS or (np.diff(risen) < 0.0).any():
-        return seconds, ""
-    out = seconds.copy()
-    out[known] = risen
-    return out, f" They pass midnight {int(falls.sum())} time{'s' * (int(falls.sum()) != 1)}, and go on."
 
 
 def _seconds_of(spans: "pd.Series[pd.Timedelta]") -> Floats:
