@@ -4,9 +4,9 @@
 //! One list loses its samples from the first in the order of the feature on, which leaves the sets right of the cuts,
 //! another from the last, which leaves those left of them: time in proportion to the samples.
 //!
-//! Where all weights are equal, the quantile of n samples is the one before which there are j(n), and n - 1 samples have
-//! j(n) or j(n) - 1 before theirs. So the pointer stays or goes to a neighbour, as says which side of it the sample
-//! was on. That is selected, not branched on: no processor could foresee it.
+//! Where all weights are equal, the quantile of n samples is the one before which there are j(n), and n - 1 samples
+//! have j(n) or j(n) - 1 before theirs. So the pointer stays or goes to a neighbour, as says which side of it the
+//! sample was on. That is selected, not branched on: no processor could foresee it.
 
 use crate::slopes::Slopes;
 
