@@ -29,7 +29,7 @@ def states_of(campaign):
 def test_a_run_may_list_its_gauges_in_another_order():
     back = replace(RUN, gauges=RUN.gauges[::-1], readings=RUN.readings[:, ::-1])
     one, other = (prepared(measured(5), run).run for run in (RUN, back))
-    assert np.allclose(one.residual, other.residual)
+    assert np.allclose(one.rows.residual, other.rows.residual)
 
 
 def test_without_a_run_the_difference_is_what_is_usual():
