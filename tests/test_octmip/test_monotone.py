@@ -169,7 +169,7 @@ def test_a_proof_in_order_that_is_stopped_has_a_tree_no_worse_than_the_best_one_
     less, deep = (Problem(features, labels, depth=depth, monotone=[1] + 7 * [0]) for depth in (3, 4))
     seen = []
     call = Call(deep, Run("exact", Limits(seconds=60.0), progress=seen.append), time.perf_counter())
-    first = _first_tree(call, "exact")
+    first = _first_tree(call, "exact", share=0.2)
     assert (first.solver, first.bound) == (SHALLOWER, -np.inf)
     assert first.objective == solve(less, "exact").objective
     assert deep.objective(first.tree) == first.objective
