@@ -70,6 +70,11 @@ def _loaded(module: str, name: str) -> Callable[..., Solution]:
     return solver
 
 
+def _errors(problem: Problem, predicted: Any) -> float:
+    """Return the misclassified samples of predicted codes (n_samples,), of whatever type a rival has."""
+    return float((np.asarray(predicted).astype(np.int64) != problem.samples.codes).sum())
+
+
 def _pycontree(problem: Problem) -> Fit:
     from pycontree import ConTree
 
@@ -80,7 +85,7 @@ def _pycontree(problem: Problem) -> Fit:
     def fit(seconds: float, threads: int) -> Answer:
         model = ConTree(max_depth=problem.shape.depth, time_limit=seconds)
         model.fit(features, labels)
-        errors = float((np.asarray(model.predict(features)).astype(np.int64) != problem.samples.codes).sum())
+        errors = _errors(problem, model.predict(features))
         return Answer(errors, errors, "max_gap=0, dense ranks")
 
     return fit
@@ -92,7 +97,7 @@ def _pytrees(problem: Problem) -> Fit:
     def fit(seconds: float, threads: int) -> Answer:
         model = ConTreeClassifier(max_depth=problem.shape.depth, max_time=seconds, use_lds=True)
         model.fit(problem.samples.features, problem.samples.codes)
-        errors = float((np.asarray(model.predict(problem.samples.features)) != problem.samples.codes).sum())
+        errors = _errors(problem, model.predict(problem.samples.features))
         return Answer(errors, errors if model.status_ == "optimal" else -np.inf, "use_lds=True")
 
     return fit
@@ -104,8 +109,7 @@ def _cart(problem: Problem) -> Fit:
     def fit(seconds: float, threads: int) -> Answer:
         model = DecisionTreeClassifier(max_depth=problem.shape.depth, random_state=0)
         model.fit(problem.samples.features, problem.samples.codes)
-        errors = float((model.predict(problem.samples.features) != problem.samples.codes).sum())
-        return Answer(errors, -np.inf, "max_depth")
+        return Answer(_errors(problem, model.predict(problem.samples.features)), -np.inf, "max_depth")
 
     return fit
 
@@ -126,7 +130,7 @@ def _pystreed(problem: Problem) -> Fit:
     def fit(seconds: float, threads: int) -> Answer:
         model = STreeDClassifier(task, max_depth=depth, cost_complexity=price, time_limit=seconds)
         model.fit(features, problem.samples.codes)
-        errors = float((np.asarray(model.predict(features)) != problem.samples.codes).sum())
+        errors = _errors(problem, model.predict(features))
         cost = errors + problem.shape.leaf_penalty * (model.get_n_leaves() - 1)
         bound = cost if model.fit_result.is_optimal() else -np.inf
         return Answer(cost, bound, f"{features.shape[1]} binary features, every threshold; {depth} levels")
