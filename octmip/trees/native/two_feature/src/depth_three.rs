@@ -18,7 +18,7 @@ use crate::loss::INFEASIBLE;
 use crate::nodes::known::{Known, Lessons};
 use crate::nodes::node::{Partition, SearchContext};
 use crate::options::Options;
-use crate::regions::dichotomies::{End, end_of};
+use crate::regions::dichotomies::{Dichotomies, End, end_of};
 use crate::regions::realisation::{Realisation, Separability, realise};
 use crate::regions::region::{Region, split};
 use crate::subproblem::{child_of, objective};
@@ -322,16 +322,16 @@ impl Search<'_, '_> {
     }
 
     /// Solve every dichotomy of the open points by a root line of the region.
-    fn part(&mut self, node: &Node, partition: &Partition, (points, dichotomies): (&[Vec<u32>], &[Vec<bool>])) {
+    fn part(&mut self, node: &Node, partition: &Partition, (points, dichotomies): (&[Vec<u32>], &Dichotomies)) {
         let features = self.context.dual_planes[node.dual_plane].features;
         let plane = &self.context.instance.plane;
-        for dichotomy in dichotomies {
+        for dichotomy in dichotomies.iter() {
             let how = (points, &dichotomy[..]);
             let realised = realise(plane, features, &node.region, &self.context.all, how, &mut Separability::new());
             if matches!(realised, Realisation::Never) {
                 continue;
             }
-            let sides = partition.with(points, dichotomy);
+            let sides = partition.with(points, &dichotomy);
             if sides.iter().any(|side| side.len() < self.problem().leaf_size) {
                 continue;
             }

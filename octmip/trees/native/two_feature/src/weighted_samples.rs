@@ -44,16 +44,33 @@ impl WeightedSamples<'_> {
 
     /// Cost of a line with the best label on both sides.
     pub(crate) fn cost_of(&self, line: &Line, ids: &[u32], total: &[i64], need: i64) -> i64 {
+        self.cost_of_left(line.features, &self.left_of(line, ids), total, need)
+    }
+
+    /// Class weights and number of the samples that a line sends left.
+    pub(crate) fn left_of(&self, line: &Line, ids: &[u32]) -> Vec<i64> {
+        let (x, y) = (self.plane.column(line.features.0), self.plane.column(line.features.1));
         let mut left = vec![0; self.loss.lanes()];
         for &i in ids {
-            if line.sends_left(self.plane, i) {
-                self.add(&mut left, i);
-            }
+            // `sends_left`, without a branch: a good line sends about half of the samples left.
+            let goes_left = i64::from(x[i as usize] + line.t * y[i as usize] <= line.r);
+            left[self.labels[i as usize] as usize] += goes_left * self.weights[i as usize];
+            left[self.loss.k] += goes_left;
         }
-        let right = difference(total, &left);
-        let cost = self.loss.sides(&left, &right, need);
-        (cost + self.price(line.features)).min(INFEASIBLE)
+        left
     }
+
+    /// Cost of a split over these features with the best label on both sides, by what goes left.
+    pub(crate) fn cost_of_left(&self, features: (usize, usize), left: &[i64], total: &[i64], need: i64) -> i64 {
+        let right = difference(total, left);
+        let cost = self.loss.sides(left, &right, need);
+        (cost + self.price(features)).min(INFEASIBLE)
+    }
+}
+
+/// The sum of two tallies.
+pub(crate) fn sum(a: &[i64], b: &[i64]) -> Vec<i64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
 /// The difference of two tallies.

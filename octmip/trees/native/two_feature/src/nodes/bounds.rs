@@ -10,6 +10,7 @@ use crate::nodes::node::{Child, Goal, Node, Partition, SearchContext};
 use crate::regions::slope_interval::SlopeInterval;
 use crate::stumps::search::{StumpResult, StumpTask};
 use crate::stumps::solver::best_split;
+use crate::weighted_samples::sum;
 
 impl SearchContext<'_> {
     /// The incumbent of a child over some samples: cost and line of the best of a leaf and these lines.
@@ -21,18 +22,46 @@ impl SearchContext<'_> {
         need: i64,
     ) -> (i64, Option<Line>) {
         let samples = self.instance.samples();
-        let leaf = if tally[samples.loss.k] >= need { samples.loss.leaf(tally).0 } else { INFEASIBLE };
-        lines.fold((leaf, None), |best, line| {
+        lines.fold((self.leaf(tally, need), None), |best, line| {
             let cost = samples.cost_of(line, ids, tally, need);
             if cost < best.0 && line.is_clear_of(samples.plane, ids) { (cost, Some(*line)) } else { best }
         })
     }
 
-    /// The incumbent of a child among its own lines and those known elsewhere; its line is kept.
-    fn incumbent_by_all(&self, child: &mut Child, notes: &Notes<'_>, ids: &[u32], tally: &[i64], need: i64) -> i64 {
-        let (cost, line) = self.incumbent(child.lines.iter().chain(notes.lines()), ids, tally, need);
-        child.remember(line);
-        cost
+    /// The incumbents of both children without the open samples, and with all of them, among their own lines and those
+    /// known elsewhere; their lines are kept. Open samples are sorted by a line once for all four.
+    fn incumbents(&self, root: &mut Node, partition: &Partition, notes: &Notes<'_>) -> [[i64; 2]; 2] {
+        let samples = self.instance.samples();
+        let sorted = |line: &Line| (*line, samples.left_of(line, &partition.open));
+        let known: Vec<(Line, Vec<i64>)> = notes.lines().map(sorted).collect();
+        let needs = [self.need() - partition.open.len() as i64, self.need()];
+        let mut costs = [[INFEASIBLE; 2]; 2];
+        for (s, child) in root.children.iter_mut().enumerate() {
+            let own: Vec<(Line, Vec<i64>)> = child.lines.iter().map(sorted).collect();
+            let sets = [&partition.sides[s], &partition.wide[s]];
+            let tallies = [&partition.tallies[s], &partition.wide_tallies[s]];
+            let mut best = [0, 1].map(|k| (self.leaf(tallies[k], needs[k]), None));
+            for (line, open) in own.iter().chain(&known) {
+                let settled = samples.left_of(line, sets[0]);
+                let lefts = [sum(&settled, open), settled];
+                for (k, left) in lefts.iter().rev().enumerate() {
+                    let cost = samples.cost_of_left(line.features, left, tallies[k], needs[k]);
+                    if cost < best[k].0 && line.is_clear_of(samples.plane, sets[k]) {
+                        best[k] = (cost, Some(*line));
+                    }
+                }
+            }
+            for (k, (cost, line)) in best.into_iter().enumerate() {
+                costs[k][s] = cost;
+                child.remember(line);
+            }
+        }
+        costs
+    }
+
+    fn leaf(&self, tally: &[i64], need: i64) -> i64 {
+        let loss = &self.instance.loss;
+        if tally[loss.k] >= need { loss.leaf(tally).0 } else { INFEASIBLE }
     }
 
     /// Bounds that other nodes have learnt of much the same samples.
@@ -69,12 +98,7 @@ impl SearchContext<'_> {
             return;
         }
         let price = self.price(root);
-        let relaxed = self.need() - partition.open.len() as i64;
-        let mut incumbent = |s: usize, ids: &[Vec<u32>; 2], tallies: &[Vec<i64>; 2], need: i64| {
-            self.incumbent_by_all(&mut root.children[s], notes, &ids[s], &tallies[s], need)
-        };
-        let narrow = [0, 1].map(|s| incumbent(s, &partition.sides, &partition.tallies, relaxed));
-        let wide = [0, 1].map(|s| incumbent(s, &partition.wide, &partition.wide_tallies, self.need()));
+        let [narrow, wide] = self.incumbents(root, partition, notes);
         // No bound exceeds the incumbent: one that cannot reach the target is not worth its price.
         let narrow_reach = self.by_label_count(partition, narrow) + price;
         let wide_reach = wide[0] + wide[1] + price - partition.open_most;

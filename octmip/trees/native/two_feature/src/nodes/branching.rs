@@ -6,7 +6,7 @@ use crate::geometry::line::Line;
 use crate::line_tree::LineTree;
 use crate::nodes::known::{Known, Notes};
 use crate::nodes::node::{Goal, Node, Partition, Processed, SearchContext};
-use crate::regions::dichotomies::{End, end_of};
+use crate::regions::dichotomies::{Dichotomies, End, end_of};
 use crate::regions::realisation::{CLEARANCE, Realisation, Separability, realise};
 use crate::regions::region::split;
 use crate::stumps::search::{StumpResult, StumpTask};
@@ -81,30 +81,30 @@ impl SearchContext<'_> {
         &self,
         root: &mut Node,
         partition: &Partition,
-        (points, dichotomies): (&[Vec<u32>], &[Vec<bool>]),
+        (points, dichotomies): (&[Vec<u32>], &Dichotomies),
         mut upper: i64,
         done: &mut Processed,
         notes: &mut Notes<'_>,
     ) {
         let features = self.dual_planes[root.dual_plane as usize].features;
         let plane = &self.instance.plane;
-        for dichotomy in dichotomies {
+        for dichotomy in dichotomies.iter() {
             if self.stop.load(Ordering::Relaxed) {
                 return;
             }
-            let chosen = |wanted: bool| points.iter().zip(dichotomy).filter(move |(_, w)| **w == wanted);
+            let chosen = |wanted: bool| points.iter().zip(&dichotomy).filter(move |(_, w)| **w == wanted);
             let first = |wanted| chosen(wanted).map(|(p, _)| p[0]).collect::<Vec<u32>>();
             let (distance, ..) = root.region.clearest(plane, features, &first(true), &first(false));
             // No line of the region leaves room for it; where one outside does, its own region finds it.
             if distance < -CLEARANCE && self.instance.switches.room {
                 continue;
             }
-            let sides = partition.with(points, dichotomy);
+            let sides = partition.with(points, &dichotomy);
             let Some((lower, results)) = self.solve_sides(root, &sides, upper, notes) else {
                 continue;
             };
             let incumbent = results[0].incumbent + results[1].incumbent + self.price(root);
-            match realise(plane, features, &root.region, &self.all, (points, dichotomy), &mut Separability::new()) {
+            match realise(plane, features, &root.region, &self.all, (points, &dichotomy), &mut Separability::new()) {
                 Realisation::Never => continue,
                 Realisation::Line(line) if incumbent < upper => {
                     let children = results.map(|result| LineTree::stump(result.line));

@@ -22,6 +22,7 @@ use crate::regions::dual_plane::DualPlane;
 use crate::regions::region::Region;
 use crate::regions::slope_interval::SlopeInterval;
 use crate::switches::Switches;
+use crate::weighted_samples::sum;
 use octmip_check::problem::Problem;
 
 /// The instance and the tables that all nodes of a search share.
@@ -231,8 +232,4 @@ impl SearchContext<'_> {
         let features = self.dual_planes[root.dual_plane as usize].features;
         self.instance.samples().price(features)
     }
-}
-
-fn sum(a: &[i64], b: &[i64]) -> Vec<i64> {
-    a.iter().zip(b).map(|(a, b)| a + b).collect()
 }

@@ -19,11 +19,72 @@ pub(crate) enum End {
     Parts {
         /// Samples at each point.
         points: Vec<Vec<u32>>,
-        /// For each dichotomy, the side of each point.
-        dichotomies: Vec<Vec<bool>>,
+        /// The side of each point.
+        dichotomies: Dichotomies,
     },
     /// Too small to split, too crowded to part: its bound has to stand.
     Stuck,
+}
+
+/// Ways to part points by a line: for each the points that go left.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Dichotomies {
+    /// So many points in their order along a line: the first few of them, and all but these.
+    AlongLine(usize),
+    /// Any others.
+    Listed(Vec<Vec<bool>>),
+}
+
+impl Dichotomies {
+    /// One after the other.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = Vec<bool>> {
+        (0..self.len()).map(|at| self.at(at))
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::AlongLine(m) => 2 * m,
+            Self::Listed(dichotomies) => dichotomies.len(),
+        }
+    }
+
+    fn at(&self, at: usize) -> Vec<bool> {
+        match self {
+            Self::AlongLine(m) => (0..*m).map(|k| (k < at / 2) == at.is_multiple_of(2)).collect(),
+            Self::Listed(dichotomies) => dichotomies[at].clone(),
+        }
+    }
+
+    /// The dichotomies whose points going left, of these tallies, `is_wanted`.
+    ///
+    /// Along a line each takes one step from the last, and not one for every point.
+    pub(crate) fn wanted<'a>(
+        &'a self,
+        tallies: &'a [Vec<i64>],
+        lanes: usize,
+        mut is_wanted: impl FnMut(&[i64]) -> bool + 'a,
+    ) -> impl Iterator<Item = Vec<bool>> + 'a {
+        let mut first = vec![0; lanes];
+        let all: Vec<i64> = (0..lanes).map(|lane| tallies.iter().map(|tally| tally[lane]).sum()).collect();
+        (0..self.len())
+            .filter(move |&at| {
+                let left: Vec<i64> = match self {
+                    Self::AlongLine(_) if at.is_multiple_of(2) => {
+                        if at > 0 {
+                            first.iter_mut().zip(&tallies[at / 2 - 1]).for_each(|(sum, more)| *sum += more);
+                        }
+                        first.clone()
+                    }
+                    Self::AlongLine(_) => all.iter().zip(&first).map(|(all, first)| all - first).collect(),
+                    Self::Listed(dichotomies) => {
+                        let chosen = || tallies.iter().zip(&dichotomies[at]).filter(|(_, left)| **left);
+                        (0..lanes).map(|lane| chosen().map(|(tally, _)| tally[lane]).sum()).collect()
+                    }
+                };
+                is_wanted(&left)
+            })
+            .map(|at| self.at(at))
+    }
 }
 
 /// The end of a region, if its splitting ends here.
@@ -72,27 +133,23 @@ pub(crate) fn distinct_points(plane: &Plane, (f, g): (usize, usize), open: &[u32
 ///
 /// Points on one line come apart as a prefix and a suffix in their order along it. In general, every dichotomy is that
 /// of a line through two of the points, turned a little about a place between or beyond the points on it.
-fn dichotomies_of(plane: &Plane, (f, g): (usize, usize), points: &[Vec<u32>]) -> Option<Vec<Vec<bool>>> {
+fn dichotomies_of(plane: &Plane, (f, g): (usize, usize), points: &[Vec<u32>]) -> Option<Dichotomies> {
     let m = points.len();
     let at = |k: usize| points[k][0];
     if m <= 2 {
-        return Some(all_dichotomies(m));
+        return Some(Dichotomies::Listed(all_dichotomies(m)));
     }
     let mut collinear = true;
     for k in 1..m - 1 {
         collinear &= plane.turn(f, g, at(0), at(m - 1), at(k)) == Ordering::Equal;
     }
-    let mut dichotomies: Vec<Vec<bool>> = Vec::new();
     if collinear {
-        for cut in 0..m {
-            dichotomies.push((0..m).map(|k| k < cut).collect());
-            dichotomies.push((0..m).map(|k| k >= cut).collect());
-        }
-        return Some(dichotomies);
+        return Some(Dichotomies::AlongLine(m));
     }
     if m > MOST_POINTS {
         return None;
     }
+    let mut dichotomies: Vec<Vec<bool>> = Vec::new();
     for a in 0..m {
         for b in a + 1..m {
             add_turned_line(plane, (f, g), points, (a, b), &mut dichotomies);
@@ -100,7 +157,7 @@ fn dichotomies_of(plane: &Plane, (f, g): (usize, usize), points: &[Vec<u32>]) ->
     }
     dichotomies.sort_unstable();
     dichotomies.dedup();
-    Some(dichotomies)
+    Some(Dichotomies::Listed(dichotomies))
 }
 
 fn all_dichotomies(m: usize) -> Vec<Vec<bool>> {
@@ -153,5 +210,26 @@ mod tests {
     fn points_on_a_line_have_2m_dichotomies() {
         let points: Vec<(f64, f64)> = (0..5).map(|k| (f64::from(k), f64::from(2 * k))).collect();
         assert_eq!(n_dichotomies(&points), 10);
+    }
+
+    #[test]
+    fn what_goes_left_is_counted_for_every_dichotomy() {
+        let tallies: Vec<Vec<i64>> = (0..5).map(|k| vec![k * k, 3 - k, 1]).collect();
+        for dichotomies in [Dichotomies::AlongLine(5), Dichotomies::Listed(all_dichotomies(5))] {
+            let mut lefts = Vec::new();
+            let all = dichotomies.wanted(&tallies, 3, |left| {
+                lefts.push(left.to_vec());
+                true
+            });
+            let all: Vec<Vec<bool>> = all.collect();
+            assert_eq!(all, dichotomies.iter().collect::<Vec<_>>());
+            for (dichotomy, left) in all.iter().zip(&lefts) {
+                let chosen = || tallies.iter().zip(dichotomy).filter(|(_, left)| **left);
+                assert_eq!(
+                    *left,
+                    (0..3).map(|lane| chosen().map(|(tally, _)| tally[lane]).sum()).collect::<Vec<i64>>()
+                );
+            }
+        }
     }
 }

@@ -1,11 +1,11 @@
 //! Refinement: regions are split until their open samples have few dichotomies, each of which is tried.
 
 use crate::geometry::line::Line;
-use crate::regions::dichotomies::{End, end_of};
+use crate::regions::dichotomies::{Dichotomies, End, end_of};
 use crate::regions::realisation::{Realisation, realise};
 use crate::regions::region::{Region, split};
 use crate::stumps::search::{Candidate, StumpSearch};
-use crate::weighted_samples::difference;
+use crate::weighted_samples::{difference, sum};
 
 impl StumpSearch<'_> {
     /// Split a region until nothing in it can win.
@@ -71,22 +71,27 @@ impl StumpSearch<'_> {
         cost + self.samples.price(features)
     }
 
+    /// What a split costs that sends these of the open samples left.
+    fn cost_of_open(&self, features: (usize, usize), part: &Part, open: &[i64]) -> i64 {
+        self.cost_of_left(features, &sum(&part.left, open))
+    }
+
     /// Try every dichotomy of the open points by a line of the region.
     fn try_dichotomies(
         &mut self,
         features: (usize, usize),
         part: &Part,
         points: &[Vec<u32>],
-        dichotomies: &[Vec<bool>],
+        dichotomies: &Dichotomies,
     ) {
-        for dichotomy in dichotomies {
-            let mut left = part.left.clone();
-            for (point, _) in points.iter().zip(dichotomy).filter(|(_, goes_left)| **goes_left) {
-                for &i in point {
-                    self.samples.add(&mut left, i);
-                }
-            }
-            let cost = self.cost_of_left(features, &left);
+        let tallies: Vec<Vec<i64>> = points.iter().map(|point| self.samples.tally(point)).collect();
+        let below: Vec<Vec<bool>> = dichotomies
+            .wanted(&tallies, self.total.len(), |open| self.cost_of_open(features, part, open) < self.current)
+            .collect();
+        for dichotomy in below {
+            let chosen = tallies.iter().zip(&dichotomy).filter(|(_, goes_left)| **goes_left);
+            let open = chosen.fold(vec![0; self.total.len()], |before, (tally, _)| sum(&before, tally));
+            let cost = self.cost_of_open(features, part, &open);
             if cost >= self.current {
                 continue;
             }
@@ -98,7 +103,7 @@ impl StumpSearch<'_> {
                 features,
                 &part.region,
                 self.ids,
-                (points, dichotomy),
+                (points, &dichotomy),
                 &mut self.separability,
             ) {
                 Realisation::Line(line) => self.offer(cost, line),
