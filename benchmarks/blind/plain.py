@@ -15,7 +15,7 @@ def plain(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign | Non
     start = time.process_time()
     selection = select(campaign, model, run)
     seconds = time.process_time() - start
-    state = dict(zip(model.parameters, selection.states[0].tolist(), strict=True))
+    state = dict.fromkeys(model.parameters, 0.0)
     augmented = AugmentedTwin(model, _additions(selection.causes[0]))
     end = max(cell.time for cell in campaign.cells)
     moved = augmented.predict(state, HELD_LOAD, end) - model.predict(state, HELD_LOAD)

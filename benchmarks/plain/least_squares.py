@@ -14,17 +14,14 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import chi2
 
-from benchmarks.plain.selector import Z90, Asked, Member
+from benchmarks.plain.asked import Asked, Member
 from femlib.arrays import FloatArray
 from octmip.gap import Campaign
-from octmip.gap.doors.built import as_built
 from octmip.gap.inference.candidates import bounds_of
-from octmip.gap.preparation import library_of
-from octmip.gap.twins import CachedTwin
 from octmip.twin import Twin
 
-FITS, ERROR, N_PAIRS, CONSTANTS, WIDE = 0.01, 0.03, 24, 0.08, 3.0
-"""Chance of the rest; error of a change; pairs that are fitted; sd of constants; sds in which a size is looked for."""
+FITS, ERROR, N_PAIRS, WIDE, Z90 = 0.01, 0.03, 24, 3.0, 1.645
+"""Chance of the rest; error of a change; pairs that are fitted; sds in which a size is looked for; those of 90 %."""
 
 
 @dataclass(frozen=True)
@@ -53,10 +50,8 @@ class Fitted:
 
 def fits_of(campaign: Campaign, twin: Twin, run: Campaign) -> list[Fitted]:
     """Return the fits of no effect, of every single one and of the best with every other, the least criterion first."""
-    sound = as_built(twin if isinstance(twin, CachedTwin) else CachedTwin(twin), run, CONSTANTS)
-    asked = Asked(campaign, sound, run)
-    library = [e for e in library_of(sound, campaign).values() if not getattr(e, "is_nameless", False)]
-    members = [(e, place) for e in library for place in e.places(sound)]
+    asked = Asked.of(campaign, twin, run)
+    members = asked.members
     none, singles = _fitted(asked, ()), [_fitted(asked, (one,)) for one in members]
     changes = np.array([none.rest - one.rest for one in singles])
     pairs = [(j, k) for j, k in combinations(range(len(members)), 2) if members[j][0] is not members[k][0]]

@@ -18,6 +18,7 @@ from octmip.gap.causes import (
     causes_of,
     credible_set,
     with_identifiable,
+    with_imitations,
     with_misfit,
 )
 from octmip.gap.constants import Constant, constants_of, constants_words
@@ -247,8 +248,8 @@ def diagnose(
             notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
         without = partial(beside, commissioning, is_right=False) if trust_run is None else None
         posterior, doubts, notes = _beside_doubt(attribute(inputs), notes, without)
-        judged = with_identifiable(posterior.judged)
-        which, closing, unknown_probability = _which(judged, posterior.unknown_probability)
+        judged = with_imitations(with_identifiable(posterior.judged))
+        which, closing, unknown_probability = _which(judged)
         model, sizes = posterior.model, detectable(posterior.model)
         constants = constants_of(judged, which[0].parameters if which else ())
         return Diagnosis(
@@ -302,8 +303,9 @@ def _beside_doubt(
     return posterior, (), notes
 
 
-def _which(judged: Sequence[Judged], unknown_probability: float) -> tuple[tuple[Cause, ...], Shrinkage | None, float]:
+def _which(judged: Sequence[Judged]) -> tuple[tuple[Cause, ...], Shrinkage | None, float]:
     """Return the causes, how far the first of the library closes the gap, and the probability of the unknown."""
+    unknown_probability = float(sum(h.probability for h in judged if h.has_unknown))
     which = causes_of(judged)
     best = next((cause for cause in which if UNKNOWN not in cause.effects), None)
     closing = None

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from octmip.gap import CHAIN, diagnose
+from octmip.gap import CHAIN, Odds, diagnose
 from octmip.interfaces.report.diagnosis.words import page_of_words
 from tests.test_octmip.beam_twin import HEALTHY, Beam, Field, both, effect, measured
 
@@ -61,6 +61,32 @@ def test_three_effects_are_all_found():
     )
     first = diagnose(measured(3, change), TWIN, commissioning=COMMISSIONING).which[0]
     assert set(first.effects) == {"gauge_bias", "temperature_uniform", "swapped_pair"}
+
+
+def three_sizes_of(odds):
+    change = both(
+        effect("gauge_bias", 60.0, "g09"), effect("gauge_gain", 6.0, "g05"), effect("gauge_gain", -5.0, "g02")
+    )
+    return diagnose(measured(3, change), TWIN, commissioning=COMMISSIONING, odds=odds)
+
+
+def test_three_sizes_are_shared_with_something_unknown_that_they_may_imitate():
+    first, second = three_sizes_of(Odds()).which[:2]
+    assert first.effects == ("unknown",)
+    assert sorted(p.place for p in second.parameters) == ["g02", "g05", "g09"]
+    assert second.probability == pytest.approx(0.01 / (0.01 + 0.3 * 0.06), rel=0.02)
+
+
+def test_three_sizes_are_named_where_three_faults_are_said_to_be_common():
+    first = three_sizes_of(Odds(count=(0.5, 0.2, 0.1, 0.1))).which[0]
+    assert sorted(p.place for p in first.parameters) == ["g02", "g05", "g09"]
+
+
+def test_a_second_fault_is_no_noise_that_repeats_hardly_allow():
+    change = both(effect("gauge_bias", 60.0, "g09"), effect("gauge_gain", 6.0, "g05"))
+    found = diagnose(measured(5, change, repeats=8), TWIN, commissioning=measured(1000, repeats=8))
+    inputs = found.posterior.judged[0].model.inputs
+    assert inputs.noise_of_means.log_share == max(one.log_share for one in inputs.noises)
 
 
 @pytest.mark.parametrize("name", sorted(CONFOUNDED))

@@ -39,6 +39,8 @@ OF_DAMAGE = {1.0: 0.6, 2.0: 0.3, 4.0: 0.1}
 elsewhere has no fault."""
 N_TRIED = 60
 """Best single candidates under the first noise, beside which every other noise and level is weighed."""
+N_PAIRED = 3
+"""Best single candidates beside which others are tried where noises are compared."""
 VARIANT_BEHIND, MOST_LEVELS = 4.0, 2
 """Log units behind the best level beyond which another is not looked at; levels that are looked at for each noise."""
 N_HEADS = (20, 8)
@@ -138,12 +140,13 @@ def _under(model: LinearModel, weighed: Sequence[Judged]) -> list[Judged]:
 def _variants(start: LinearModel) -> list[tuple[float, LinearModel]]:
     """Return the models worth a look with the log prior probability of their noise and level, the best first.
 
-    That nothing wanders is always looked at, a walk where it bears the readings better beside the best single effect.
+    That nothing wanders is always looked at, a walk where it bears the readings better. They are compared beside the
+    best set of two at most: beside the best single effect a great noise would take the second.
     """
     best = _best(extensions(start, ())[0] + start.inputs.priors.log_weight, N_TRIED)
 
     def weighed(log_share: float, model: LinearModel) -> tuple[float, float, LinearModel]:
-        return log_share + _best_single(model, best), log_share, model
+        return log_share + _best_set(model, best), log_share, model
 
     first, *others = start.inputs.noises
     noises = [weighed(first.log_share, start), *(weighed(one.log_share, start.under(1.0, one)) for one in others)]
@@ -167,9 +170,21 @@ def _levels(model: LinearModel) -> Mapping[float, float]:
     return OF_DAMAGE if model.rows.change.any() else {1.0: 1.0}
 
 
-def _best_single(model: LinearModel, among: Ints | None = None) -> float:
-    singles = extensions(model, (), among)[0] + model.inputs.priors.log_weight + log_count(model.inputs, 1)
+def _best_single(model: LinearModel) -> float:
+    singles = extensions(model, ())[0] + model.inputs.priors.log_weight + log_count(model.inputs, 1)
     return model.log_none + max(log_count(model.inputs, 0), float(singles.max(initial=-inf)))
+
+
+def _best_set(model: LinearModel, among: Ints) -> float:
+    """Return the log of prior times evidence of the best set of none, one or two candidates among some."""
+    inputs, share = model.inputs, model.inputs.priors.log_weight
+    singles = extensions(model, (), among)[0] + share + log_count(inputs, 1)
+    logs = [log_count(inputs, 0), float(singles.max(initial=-inf))]
+    for j in _best(singles, N_PAIRED).tolist():
+        pairs, new = extensions(model, (j,), among)
+        own = pairs + share + share[j] + log_count(inputs, 2)
+        logs.append(float(own[new > IMITATED].max(initial=-inf)))
+    return model.log_none + max(logs)
 
 
 def likely_sets(inference: Inference) -> dict[Members, float]:
@@ -368,7 +383,7 @@ def attribute(inputs: Inputs) -> Posterior:
         by_key.setdefault((w.members, w.has_unknown), []).append(w)
     total = float(logsumexp([w.log_weight for w in weighed]))
     every = (_judged(same, total) for same in by_key.values())
-    judged = [h for h in every if h.probability > NEGLIGIBLE or not h.has_unknown]
+    judged = [h for h in every if h.probability > NEGLIGIBLE or not (h.has_unknown and h.members)]
     judged.sort(key=lambda h: -h.probability)
     best: dict[int, Judged] = {}  # by inference: a walk is asked of each once
     for w in (w for w in weighed if not w.has_unknown):
