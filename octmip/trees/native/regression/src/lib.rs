@@ -23,6 +23,7 @@ mod axis;
 mod buckets;
 mod clusters;
 mod depth_two;
+mod few_cuts;
 mod inside;
 mod node;
 mod proof;
