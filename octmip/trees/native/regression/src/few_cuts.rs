@@ -1,8 +1,9 @@
 //! Bounds of the best cut of a feature from a few of its cuts, before it is scanned: sloped errors, equal weights.
 //!
-//! A node's samples are parted into runs along each feature. A cut inside a run has all earlier runs left of it and all
-//! later ones right of it, and one constant for fewer samples never errs by more. So the feature's best cut errs by
-//! no less than the least, over the runs, of what the runs before err by with one constant and those after with another.
+//! A node's samples are parted into runs along each feature. A cut inside a run has all earlier runs left of it and
+//! all later ones right of it, and one constant for fewer samples never errs by more. So the feature's best cut errs
+//! by no less than the least, over the runs, of what the runs before err by with one constant and those after with
+//! another.
 //!
 //! All runs are counted at once, along the samples of a side in the order of their targets: a gap between two targets
 //! costs the lesser of what the samples below and those above cost. Numbers are of 32 bits: whole ones as far as they

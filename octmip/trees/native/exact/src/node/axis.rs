@@ -14,6 +14,7 @@
 //!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
 //! * price: a side is a leaf or pays for a split (`node::price`), for any size of leaves; and where trees of fewer
 //!   levels are known, one side has all the levels of a child, and pays for as many splits. A log has no line for it.
+//! * small sides: one of fewer than two leaves of the least size is a leaf (`small_sides`). Nor for this.
 
 mod mixed;
 mod prices;

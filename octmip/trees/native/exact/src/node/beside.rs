@@ -10,8 +10,8 @@
 //! * a cut is solved in the free problem first, with slack; only where both its sides together stay below the target
 //!   they are solved again with their own size, and with little slack;
 //! * in a narrow run of cuts they are solved with smaller leaves before that, of as many samples as a large leaf keeps
-//!   of its own in the farthest cut of the run (`axis`), without slack, and not in the free problem where these are half
-//!   as large or more: what trees of smaller leaves cost bounds `e_s` as `e` does.
+//!   of its own in the farthest cut of the run (`axis`), without slack, and not in the free problem where these are
+//!   half as large or more: what trees of smaller leaves cost bounds `e_s` as `e` does.
 //!
 //! Wherever a bound of `e` is used in the place of one of `e_s` it is lower, so nothing is lost.
 
