@@ -172,15 +172,25 @@ impl Axis {
     /// Lower bound of the children of every cut between two solved ones.
     pub(crate) fn least(&self, samples: &Samples, interval: &Interval) -> f64 {
         let Interval { a, b, .. } = *interval;
-        let by_range = self.solved[b].left + self.solved[a].right - (self.ranges[b] - self.ranges[a]);
-        by_range.max(self.relaxed[a].left + self.relaxed[b].right + self.clusters(samples, a, b, 2))
+        let relaxed = self.relaxed[a].left + self.relaxed[b].right;
+        self.by_range(interval).max(relaxed + self.clusters(samples, a, b, 2))
+    }
+
+    /// The same by cost ranges alone.
+    fn by_range(&self, &Interval { a, b, .. }: &Interval) -> f64 {
+        self.solved[b].left + self.solved[a].right - (self.ranges[b] - self.ranges[a])
     }
 
     /// Shrink an interval to cuts whose children may cost less than `target` together; None when there are none.
     pub(crate) fn narrow(&self, samples: &Samples, mut interval: Interval, target: f64) -> Option<Interval> {
         let Interval { a, b, .. } = interval;
-        let by_clusters = self.relaxed[a].left + self.relaxed[b].right;
-        if by_clusters >= target || self.least(samples, &interval) >= target {
+        let relaxed = self.relaxed[a].left + self.relaxed[b].right;
+        if relaxed.max(self.by_range(&interval)) >= target {
+            return None;
+        }
+        // Half as many constants err by more, and are found sooner.
+        let is_near = relaxed + self.clusters(samples, a, b, 1) >= target;
+        if is_near && relaxed + self.clusters(samples, a, b, 2) >= target {
             return None;
         }
         // Clusters left of k, range right: r(L(a)) + e(R(a)) - (range(k) - range(a)) < target is needed; and mirrored.

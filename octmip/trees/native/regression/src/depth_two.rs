@@ -6,6 +6,7 @@
 
 use crate::axis::{Axis, Pair};
 use crate::buckets::Buckets;
+use crate::few_cuts::FewCuts;
 use crate::result::NodeResult;
 use crate::samples::Samples;
 use crate::scan::Scanner;
@@ -14,6 +15,12 @@ use crate::view::View;
 use octmip_frame::effort::Control;
 use octmip_frame::interval::Interval;
 use octmip_frame::tree::Tree;
+
+/// A feature whose bounds by a few cuts have spared so many scans fewer than they have not is scanned without.
+const LEAST_SPARED: i32 = -2;
+
+/// So is one whose bounds are too low for that where they are this share of its least error, as they are on average.
+const SHARE: f64 = 15.0 / 16.0;
 
 /// The search for trees of two levels and its buffers.
 #[derive(Debug)]
@@ -26,11 +33,16 @@ pub(crate) struct TwoLevels<'a> {
     scanner: Scanner,
     /// Where they serve; else every scan is one of samples, and so it is where they give bounds alone.
     buckets: Option<Buckets>,
+    few_cuts: FewCuts,
     axis: Axis,
     /// Lower bounds of each feature's least relaxed error on both sides, evaluation after evaluation.
     kept: Vec<Pair>,
     now: Vec<Pair>,
     is_known: Vec<[bool; 2]>,
+    /// Which of them are bounded by a few cuts.
+    is_bounded: Vec<[bool; 2]>,
+    /// Of each feature, how many scans such bounds have spared at this node less those that they have not.
+    spared: Vec<i32>,
 }
 
 impl<'a> TwoLevels<'a> {
@@ -43,10 +55,13 @@ impl<'a> TwoLevels<'a> {
             sides: Sides::new(samples.n),
             scanner: Scanner::default(),
             buckets: Buckets::new(samples),
+            few_cuts: FewCuts::default(),
             axis: Axis::default(),
             kept: Vec::new(),
             now: Vec::new(),
             is_known: Vec::new(),
+            is_bounded: Vec::new(),
+            spared: Vec::new(),
         }
     }
 }
@@ -73,13 +88,17 @@ impl TwoLevels<'_> {
         let penalty = samples.penalty;
         let leaf = view.leaf(samples);
         self.sides.rewind(samples, view);
+        self.few_cuts.leave_node();
         let (stump, whole) = self.whole(view, leaf);
         self.control.add(1);
         let mut best = NodeResult::cheapest(stump.cost, self.stump_tree(view, 1, &stump), upper);
         if depth == 1 {
             return best;
         }
-        let relaxed = whole.iter().fold(leaf, |least, error| least.min(error + penalty));
+        let least = whole.iter().copied().fold(f64::INFINITY, f64::min);
+        let relaxed = leaf.min(least + penalty);
+        self.spared.clear();
+        self.spared.extend(whole.iter().map(|error| if error * SHARE > least { 0 } else { LEAST_SPARED }));
         self.incumbents.clear();
         self.incumbents.resize(samples.p, f64::INFINITY);
         let mut order: Vec<usize> = (0..samples.p).collect();
@@ -234,7 +253,7 @@ impl TwoLevels<'_> {
         let (samples, penalty) = (self.samples, self.samples.penalty);
         let p = samples.p;
         self.control.add(1);
-        let Self { sides, buckets, kept, now, is_known, .. } = self;
+        let Self { sides, buckets, few_cuts, kept, now, is_known, is_bounded, .. } = self;
         sides.move_to(samples, view, f, axis.positions[k] as usize, |i, to| {
             if let Some(buckets) = buckets {
                 buckets.pass(samples, i, to);
@@ -245,6 +264,9 @@ impl TwoLevels<'_> {
         axis.inherit(samples, interval, k, neighbours, now);
         is_known.clear();
         is_known.resize(p, [false; 2]);
+        few_cuts.leave_cut();
+        is_bounded.clear();
+        is_bounded.resize(p, [false; 2]);
         let leaves = match buckets {
             Some(buckets) if buckets.is_exact => buckets.leaves(samples, sides),
             _ => [axis.leaves[k].left, axis.leaves[k].right],
@@ -266,8 +288,16 @@ impl TwoLevels<'_> {
             }
             let is_open = |m: usize| self.now[g].of(m) + penalty < stumps[m].cost && !self.is_known[g][m];
             let needs = [is_open(0), is_open(1)];
+            if self.bound_by_few_cuts(view, g, needs) {
+                continue;
+            }
             self.look(view, g, &mut stumps, needs);
         };
+        for (spared, (bounded, known)) in self.spared.iter_mut().zip(self.is_bounded.iter().zip(&self.is_known)) {
+            for side in [0, 1].into_iter().filter(|&side| bounded[side]) {
+                *spared += if known[side] { -1 } else { 1 };
+            }
+        }
         let relaxed = |side: usize| {
             if samples.leaf_size == 1 {
                 return lower[side];
@@ -279,6 +309,26 @@ impl TwoLevels<'_> {
         axis.evaluation[k] = (self.kept.len() / p) as u32;
         self.kept.extend_from_slice(&self.now);
         stumps
+    }
+
+    /// Bound the best cut of a feature on the sides that need it, before it is scanned; whether that was to be done.
+    fn bound_by_few_cuts(&mut self, view: &View, g: usize, needs: [bool; 2]) -> bool {
+        if self.buckets.is_some() {
+            return false;
+        }
+        let is_wanted = |m: usize| {
+            self.spared[g] > LEAST_SPARED
+                && needs[m]
+                && !self.is_bounded[g][m]
+                && FewCuts::serve(self.samples, self.sides.counts[m])
+        };
+        let wanted = [is_wanted(0), is_wanted(1)];
+        for m in [0, 1].into_iter().filter(|&m| wanted[m]) {
+            let bound = self.few_cuts.bound(self.samples, view, &self.sides, g, m);
+            self.now[g].raise(m, bound);
+            self.is_bounded[g][m] = true;
+        }
+        wanted != [false; 2]
     }
 
     /// The feature that may hold the best stump of a side, and what it costs at least; None where none is below `cost`.

@@ -5,6 +5,7 @@
 //! clusters           the least error of few constants for many targets: what no tree of so many leaves avoids
 //! slopes, quantiles  sloped errors, and those of one constant on both sides of every cut of a feature
 //! scan               the best cut of one feature left and right of a cut of another, by samples
+//! few_cuts           a bound of that for sloped errors
 //! buckets            the same of all features at once by buckets: vector passes in `sweep`, walks in `inside`
 //! sides, depth_two   the two sides of a moving cut, and the best tree of at most two levels
 //! axis, node         the cuts of a feature with their bounds, and the search of a node of any depth
@@ -23,6 +24,7 @@ mod axis;
 mod buckets;
 mod clusters;
 mod depth_two;
+mod few_cuts;
 mod inside;
 mod node;
 mod proof;

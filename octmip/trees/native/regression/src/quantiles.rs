@@ -20,6 +20,8 @@ type Links = [[u32; 2]];
 pub(crate) struct Ranked {
     targets: Vec<f64>,
     weights: Vec<f64>,
+    /// Sum of the targets before each.
+    before: Vec<f64>,
 }
 
 impl Ranked {
@@ -42,6 +44,12 @@ impl Ranked {
     /// After the last sample.
     pub(crate) fn end(&mut self) {
         self.push(0.0, 0.0);
+        self.before.clear();
+        self.before.extend(self.targets.iter().scan(0.0, |sum, target| {
+            let before = *sum;
+            *sum += target;
+            Some(before)
+        }));
     }
 }
 
@@ -61,6 +69,8 @@ pub(crate) struct Quantiles {
     /// Of the others.
     pub(crate) right: Vec<f64>,
     links: [Vec<[u32; 2]>; 2],
+    /// Samples of a set, and how many of them are before its quantile, as found last.
+    quantile: [usize; 2],
 }
 
 impl Quantiles {
@@ -102,13 +112,17 @@ impl Quantiles {
         let [rightwards, leftwards] = self.links.each_mut().map(|links| &mut links[..size]);
         let (left, right) = (&mut self.left[..size - 1], &mut self.right[..size - 1]);
         let mut n = size - 2;
-        let mut before = 0; // as many samples before the quantile
-        while before + 1 < n && !slopes.is_reached((before + 1) as f64, n as f64) {
-            before += 1;
+        if self.quantile[0] != n {
+            let mut before = 0;
+            while before + 1 < n && !slopes.is_reached((before + 1) as f64, n as f64) {
+                before += 1;
+            }
+            self.quantile = [n, before];
         }
-        let start = Pointer { at: before as u32 + 1, below: targets[..=before].iter().sum(), below_weight: 0.0 };
+        let mut before = self.quantile[1]; // as many samples before the quantile
+        let start = Pointer { at: before as u32 + 1, below: set.before[before + 1], below_weight: 0.0 };
         let mut pointers = [start; 2];
-        let mut sums = [targets.iter().sum::<f64>(); 2];
+        let mut sums = [set.before[size - 1]; 2];
         let error = |pointer: &Pointer, sum: f64, before: usize, n: usize| {
             let (quantile, after) = (targets[pointer.at as usize], n - before - 1);
             let below = quantile * before as f64 - pointer.below;
@@ -140,7 +154,7 @@ impl Quantiles {
         set: &Ranked,
         places: impl DoubleEndedIterator<Item = u32> + Clone,
     ) {
-        let Self { left, right, links: [rightwards, leftwards] } = self;
+        let Self { left, right, links: [rightwards, leftwards], .. } = self;
         let n = set.targets.len() - 2;
         let slopes = slopes.known::<EVEN>();
         right[0] = Weighted::begin(set, rightwards, slopes).error(slopes);

@@ -14,9 +14,11 @@
 //!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
 //! * price: a side is a leaf or pays for a split (`node::price`), for any size of leaves; and where trees of fewer
 //!   levels are known, one side has all the levels of a child, and pays for as many splits. A log has no line for it.
+//! * small sides: one of fewer than two leaves of the least size is a leaf (`small_sides`). Nor for this.
 
 mod mixed;
 mod prices;
+mod small_sides;
 
 use crate::node::price::Prices;
 use crate::node::result::Solved;
@@ -26,6 +28,7 @@ use crate::view::View;
 use octmip_frame::interval::Interval;
 
 use mixed::MixedLabels;
+use small_sides::SmallSides;
 
 /// Bounds of the children of a cut with leaves of any size, and with leaves as small as `Axis::sizes`.
 pub type Beside = [[i64; 2]; 2];
@@ -51,6 +54,9 @@ pub(crate) struct Axis {
     least_of: [Vec<i64>; 2],
     /// Whether anything is known of that.
     has_least: bool,
+    /// Sides that can only be leaves, where leaves have a least size.
+    small: SmallSides,
+    has_small: bool,
     /// Least cost of one of the children, where only trees of all levels are wanted; 0 where others are.
     of_all_levels: i64,
     n_cuts: usize,
@@ -80,6 +86,7 @@ impl Axis {
             self.mixed.leave_out();
         }
         self.of_all_levels = 0;
+        self.has_small = false;
         self.has_least = samples.penalty > 0 && switches.price;
         if self.has_least {
             let mut prices = Prices::new(samples, view, n_leaves, std::mem::take(&mut self.least_of));
@@ -96,6 +103,15 @@ impl Axis {
         let last = self.last();
         self.enter(0, [0, whole], [[0, whole]; 2]);
         self.enter(last, [whole, 0], [[whole, 0]; 2]);
+    }
+
+    /// Know what the sides cost that are too small for two leaves (not for a log).
+    pub(crate) fn know_small_sides(&mut self, samples: &Samples, view: &View, f: usize) {
+        if self.leaf_size > 1 {
+            let (positions, range) = (&self.positions[..self.n_cuts], &self.total_range[..self.n_cuts]);
+            self.small.lay(samples, view, (f, self.leaf_size), positions, range);
+            self.has_small = true;
+        }
     }
 
     /// Lay out the cuts alone.
@@ -237,11 +253,24 @@ impl Axis {
 
     /// Lower bounds of both children of cut `k`, from the solved cuts around it and from prices.
     pub(crate) fn bounds(&self, interval: &Interval, k: usize) -> (i64, i64) {
-        let (left, right) = self.by_neighbours(interval, k);
-        match self.has_least {
-            true => (left.max(self.least_of[0][k]), right.max(self.least_of[1][k])),
-            false => (left, right),
+        self.bounds_of_run(interval, (k, k))
+    }
+
+    /// The same of all cuts from one to another.
+    #[inline(always)]
+    fn bounds_of_run(&self, interval: &Interval, (first, last): (usize, usize)) -> (i64, i64) {
+        let (mut left, mut right) = self.by_neighbours(interval, first);
+        if first != last {
+            right = self.by_neighbours(interval, last).1;
         }
+        if self.has_least {
+            (left, right) = (left.max(self.least_of[0][first]), right.max(self.least_of[1][last]));
+        }
+        if self.has_small {
+            let leaves = self.small.least(first, last);
+            (left, right) = (left.max(leaves[0]), right.max(leaves[1]));
+        }
+        (left, right)
     }
 
     /// The same of a solved cut with leaves of any size.
@@ -306,13 +335,10 @@ impl Axis {
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
     pub(crate) fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
         let middle = interval.low + (interval.high - interval.low) / 2;
-        if self.mixed.is_nothing() && !self.has_least {
+        if self.mixed.is_nothing() && !self.has_least && !self.has_small {
             return Some(middle);
         }
-        interval.nearest(middle, target, |first, last| match first == last {
-            true => self.together(self.bounds(interval, first)),
-            false => self.together((self.bounds(interval, first).0, self.bounds(interval, last).1)),
-        })
+        interval.nearest(middle, target, |first, last| self.together(self.bounds_of_run(interval, (first, last))))
     }
 
     /// Cost range between `k` and the farther end of the interval: what a child's bound is worth to its neighbours.

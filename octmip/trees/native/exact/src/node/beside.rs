@@ -10,8 +10,8 @@
 //! * a cut is solved in the free problem first, with slack; only where both its sides together stay below the target
 //!   they are solved again with their own size, and with little slack;
 //! * in a narrow run of cuts they are solved with smaller leaves before that, of as many samples as a large leaf keeps
-//!   of its own in the farthest cut of the run (`axis`), and not in the free problem where these are half as large or
-//!   more: what trees of smaller leaves cost bounds `e_s` as `e` does.
+//!   of its own in the farthest cut of the run (`axis`), without slack, and not in the free problem where these are
+//!   half as large or more: what trees of smaller leaves cost bounds `e_s` as `e` does.
 //!
 //! Wherever a bound of `e` is used in the place of one of `e_s` it is lower, so nothing is lost.
 
@@ -213,7 +213,7 @@ impl<'a> Search<'a> {
         let mut results = plans.map(|plan| plan.map(|(cost, plan)| NodeResult::found(cost, plan)));
         let usual = view.total_range / (view.len as i64).max(1);
         for (sizes, is_own) in [(near, false), ([own; 2], true)] {
-            let slack = if is_own { cut.slack.min((own / SLACK) as i64 * usual) } else { cut.slack };
+            let slack = if is_own { cut.slack.min((own / SLACK) as i64 * usual) } else { 0 };
             for side in [first, 1 - first].into_iter().filter(|&side| is_own || sizes[side] > 1) {
                 if bounds[0] + bounds[1] >= cut.target {
                     break;

@@ -70,6 +70,9 @@ impl Search<'_> {
         let view = holding.as_ref().unwrap_or(view);
         let mut axis = std::mem::take(&mut self.axis);
         axis.lay(samples, view, (f, self.leaf_size), 2, whole, &self.switches);
+        if self.switches.free && self.log.is_none() {
+            axis.know_small_sides(samples, view, f);
+        }
         axis.want_levels(samples, 1);
         if let Some(side) = leaf_side {
             axis.take_up_leaves(samples, view, f, side);

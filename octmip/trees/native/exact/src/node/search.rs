@@ -273,6 +273,9 @@ impl<'a> Search<'a> {
         let samples = self.samples;
         let mut level = std::mem::take(&mut self.levels[depth]);
         level.axis.lay(samples, view, (f, self.leaf_size), 1 << (depth - 1).min(20), whole, &self.switches);
+        if self.switches.free && self.log.is_none() {
+            level.axis.know_small_sides(samples, view, f);
+        }
         if self.switches.shallower_first && self.free.is_none() {
             level.axis.want_levels(samples, shallower);
             level.axis.take_up_fewer(f, fewer);

@@ -21,6 +21,10 @@ use crate::view::View;
 use octmip_frame::effort::Control;
 use octmip_frame::interval::Interval;
 
+/// Each search asks for trees so many times as far above the problem without a number as the one before: cuts are
+/// searched anew, and with few splits the best tree is far above.
+const GROWTH: i64 = 4;
+
 /// Samples of a node as bits, its depth and splits.
 pub(super) type Key = (Vec<u64>, usize, usize);
 
@@ -85,11 +89,11 @@ impl<'a> Few<'a> {
         };
         self.show(view, NodeResult { lower: begun.free, ..begun.best.clone() }, known);
         let (upper, mut proven) = (known.best().0.min(upper), begun.free);
-        let mut step = first_step(proven, view);
+        let mut step = GROWTH * first_step(proven, view);
         while proven < upper && !self.control.is_stopped() {
             let asked = upper.min(proven.saturating_add(step));
             let result = self.by_cuts(view, size, asked, &begun);
-            (proven, step) = (result.cost(asked), step.saturating_mul(2));
+            (proven, step) = (result.cost(asked), step.saturating_mul(GROWTH));
             let is_found = result.best.is_some();
             self.show(view, result, known);
             if is_found {
@@ -243,11 +247,10 @@ impl<'a> Few<'a> {
                 sides[0].raise(share[0], left);
                 sides[1].raise(share[1], right);
             }
-            let mut slack = axes[0].slack(&interval, k);
-            if shares.len() == 2 {
-                // Of all splits but one: what both sides cost with all their splits closes most cuts.
-                slack /= 2;
-                self.share(&mut sides, depth, [lows.len() - 1; 2], (target, slack));
+            let slack = axes[0].slack(&interval, k);
+            if shares.len() > 1 {
+                // What both sides cost with all their splits closes most cuts.
+                self.share(&mut sides, depth, [lows.len() - 1; 2], (target, slack / 2));
             }
             for share in shares {
                 let target = best.cost(upper) - self.samples.penalty;

@@ -13,6 +13,8 @@ use crate::view::View;
 pub(crate) struct Fitting {
     left: Vec<i64>,
     members: Vec<u32>,
+    /// Gain of each sample, that in the second of two labels negative.
+    signed: Vec<i64>,
     open: Vec<(i64, usize)>,
 }
 
@@ -70,6 +72,13 @@ impl Fitting {
         f: usize,
     ) -> [i64; N] {
         let (list, ranks, has_ties) = (place.view.list(f), samples.ranks_of(f), samples.has_ties[f]);
+        if let (&[first, second], true) = (totals, samples.is_single) {
+            let kept = (side, sizes, len);
+            return match has_ties {
+                true => self.walk_pair::<N, true>(samples, place, kept, (list, ranks), [first, second]),
+                false => self.walk_pair::<N, false>(samples, place, kept, (list, ranks), [first, second]),
+            };
+        }
         self.left.clear();
         self.left.resize(totals.len(), 0);
         // Without a branch, as no guess of which samples are on a side is good; it writes ahead.
@@ -79,8 +88,7 @@ impl Fitting {
             self.members[n_members] = i;
             n_members += usize::from(place.is_on(side, i));
         }
-        let is_pair = samples.is_single && totals.len() == 2;
-        let (mut before, mut difference, mut best) = (0, 0, [i64::MIN; N]);
+        let (mut before, mut best) = (0, [i64::MIN; N]);
         for (passed, &i) in self.members[..len].iter().enumerate() {
             if passed + sizes[0] > len {
                 break; // too few are left
@@ -88,23 +96,48 @@ impl Fitting {
             let (sample, smaller) = (i as usize, passed.min(len - passed));
             if smaller >= sizes[0] && (!has_ties || before != ranks[sample]) {
                 let size = if smaller >= sizes[N - 1] { N - 1 } else { 0 }; // two sizes at most
-                best[size] = best[size].max(match totals {
-                    // of two labels, one left and one right: as good as a leaf is known
-                    &[first, second] if is_pair => (second + difference).max(first - difference),
-                    _ => split_gain(&self.left, totals),
-                });
+                best[size] = best[size].max(split_gain(&self.left, totals));
             }
             if has_ties {
                 before = ranks[sample];
             }
-            if is_pair {
-                let gain = samples.range_of(i);
-                difference += if samples.profile[sample] == 0 { gain } else { -gain };
-            } else {
-                samples.count(i, 1, &mut self.left);
-            }
+            samples.count(i, 1, &mut self.left);
         }
         best[0] = best[0].max(best[N - 1]);
+        best
+    }
+
+    /// The same of two labels that each sample gains in one of, in one pass without branches. Samples of the other side
+    /// are passed with nothing added: what is seen at them is seen once more.
+    fn walk_pair<const N: usize, const TIES: bool>(
+        &mut self,
+        samples: &Samples,
+        place: &Place<'_>,
+        (side, sizes, len): (usize, [usize; N], usize),
+        (list, ranks): (&[u32], &[u32]),
+        [first, second]: [i64; 2],
+    ) -> [i64; N] {
+        if self.signed.len() != samples.n {
+            let signed = |i: usize| if samples.profile[i] == 0 { samples.ranges[i] } else { -samples.ranges[i] };
+            self.signed = (0..samples.n).map(signed).collect();
+        }
+        let signed = &self.signed[..];
+        let room = sizes.map(|size| len.checked_sub(2 * size));
+        let (mut passed, mut difference, mut before) = (0, 0, u32::MAX);
+        let mut best = [i64::MIN; N];
+        for &i in list {
+            let is_cut = !TIES || std::mem::replace(&mut before, ranks[i as usize]) != ranks[i as usize];
+            // Of two labels, one left and one right: as good as a leaf is known.
+            let gain = i64::max(second + difference, first - difference);
+            for n in 0..N {
+                let has_room = room[n].is_some_and(|room| usize::wrapping_sub(passed, sizes[n]) <= room);
+                let own = if is_cut & has_room { gain } else { i64::MIN };
+                best[n] = best[n].max(own);
+            }
+            let is_member = place.is_on(side, i);
+            passed += usize::from(is_member);
+            difference += signed[i as usize] & -i64::from(is_member);
+        }
         best
     }
 }
