@@ -34,7 +34,7 @@ UNKNOWN = "unknown"
 CREDIBLE = 0.95
 """Probability that the reported causes hold together."""
 MOST_CAUSES = 12
-MANY, IMITATED = 3, 0.3
+MANY, MIMICRY = 3, 0.3
 """Effects of a set that may be one thing outside the library; share of such things that a set of so many imitates.
 
 Of 27 of pump, furnace and transformer eight were imitated so, of 216 machines with no, one or two faults two."""
@@ -197,14 +197,14 @@ def with_imitations(judged: Sequence[Judged]) -> list[Judged]:
     """Return the hypotheses, with what sets of `MANY` effects hold shared with the unknown.
 
     Three faults at once are rarer than one thing that no name describes and that three sizes together imitate: it does
-    so with the probability `IMITATED`. A swapped pair and a dead gauge have no size that could be fitted.
+    so with the probability `MIMICRY`. A swapped pair and a dead gauge have no size that could be fitted.
     """
     unknown = next((h for h in judged if h.has_unknown and not h.members), None)
     many = [h for h in judged if not h.has_unknown and len(_sized(h)) >= MANY]
     if unknown is None or not many:
         return list(judged)
     odds = unknown.model.inputs.odds
-    outside = odds.unknown[0] * IMITATED
+    outside = odds.unknown[0] * MIMICRY
     share = outside / (outside + odds.count[MANY])
     new = {id(h): (1.0 - share) * h.probability for h in many}
     new[id(unknown)] = unknown.probability + share * sum(h.probability for h in many)
