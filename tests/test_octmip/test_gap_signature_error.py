@@ -74,7 +74,7 @@ def test_where_a_signature_changes_its_sign_it_is_no_better_known_than_beside():
 
 def test_a_member_that_is_no_more_than_the_error_of_a_large_one_leaves_its_set():
     other = Field("dent", np.eye(20)[4], 1, 10.0)
-    beside = measured(3, lambda state, load, time: load * (120.0 * SHAPE + 8.0 * np.eye(20)[4]))
+    beside = measured(3, lambda state, load, time: load * (120.0 * SHAPE + 9.0 * np.eye(20)[4]))
     twin = Beam(effects={**Beam().effects, "soak": SOAK, "dent": other})
     inference = inference_of(twin, beside)
     both = tuple(sorted((candidate(inference.model, "soak"), candidate(inference.model, "dent"))))
