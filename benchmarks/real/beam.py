@@ -273,12 +273,21 @@ def summary(told: Sequence[tuple[Causes, Mapping[Causes, float]]]) -> str:
     return f"the truth is first in {right} of {len(told)}, its mean log probability {log:.2f}"
 
 
+def folder_asked(parser: argparse.ArgumentParser, table: str) -> Path:
+    """Return the folder of a set by the option --data; one without the table ends the command with a sentence."""
+    parser.add_argument("--data", type=Path, required=True, help="folder of the set")
+    folder = Path(parser.parse_args().data)
+    if not (folder / table).is_file():
+        parser.error(f"--data is {folder}, which holds no {table}; expected the folder of the set")
+    return folder
+
+
 def main() -> None:
     """Print a line for each stretch that is told, then what all sum to."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.real.beam", description=__doc__)
-    parser.add_argument("--data", type=Path, required=True, help="folder of the set")
+    folder = folder_asked(parser, "tests.csv")
     told = []
-    for case, truth, found in told_stretches(parser.parse_args().data):
+    for case, truth, found in told_stretches(folder):
         shares = shares_of(found)
         sizes = ", ".join(f"{p.size:.1f} ({p.low:.1f} to {p.high:.1f}) {p.unit}" for p in found.which[0].parameters)
         print(f"{case} {', '.join(truth) or 'sound'}: {shares.get(truth, 0.0):.3f} {sizes}")

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from benchmarks.real.beam import Causes, shares_of, summary
+from benchmarks.real.beam import Causes, folder_asked, shares_of, summary
 from femlib.arrays import FloatArray
 from octmip.gap import Diagnosis, FunctionTwin, Odds, Recorded, diagnose, function_twin, gathered
 from octmip.twin import Loads
@@ -332,9 +332,9 @@ def told_flights(folder: Path) -> Iterator[tuple[str, Causes, Mapping[Causes, fl
 def main() -> None:
     """Print a line for each flight that is told, then what all sum to."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.real.quadrotor", description=__doc__)
-    parser.add_argument("--data", type=Path, required=True, help="folder of the set")
+    folder = folder_asked(parser, "tests.csv")
     told = []
-    for name, truth, shares in told_flights(parser.parse_args().data):
+    for name, truth, shares in told_flights(folder):
         first = max(shares, key=lambda causes: shares[causes])
         print(f"{name} {', '.join(sorted(truth)) or 'sound'}: {shares.get(truth, 0.0):.3f}; {', '.join(sorted(first))}")
         told.append((truth, shares))
